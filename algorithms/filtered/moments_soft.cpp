@@ -92,7 +92,7 @@ constinit const AlgorithmEntry kMomentsSoft{
     .name = "moments_soft",
     .source = "Yang et al. 2010; Peters et al. 2016",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT,
+              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

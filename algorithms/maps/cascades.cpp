@@ -114,7 +114,7 @@ private:
 constinit const AlgorithmEntry kCascades{
     .name = "cascades",
     .source = "Zhang, Sun, Xu and Lun 2006",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT,
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

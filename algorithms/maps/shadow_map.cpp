@@ -105,7 +105,7 @@ constinit const AlgorithmEntry kShadowMap{
     .name = "shadow_map",
     .source = "Williams 1978; Reeves, Salesin and Cook 1987",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
-              GN_TRAIT_FALLBACK_BIT,
+              GN_TRAIT_FALLBACK_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

@@ -64,7 +64,8 @@ private:
 constinit const AlgorithmEntry kCubeMap{
     .name = "cube_map",
     .source = "Navratil 2015, 3.3.1; King and Newhall 2005",
-    .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_FALLBACK_BIT,
+    .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_FALLBACK_BIT |
+              GN_TRAIT_GPU_TRANSFORMS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

@@ -38,7 +38,7 @@ constinit const AlgorithmEntry kSsrbssm{
     .name = "ssrbssm",
     .source = "Macedo 2018, 5.4",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT,
+              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kScreenPenumbraSettings,

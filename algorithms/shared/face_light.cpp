@@ -90,7 +90,8 @@ bool touchesAny(const FaceBlock& block, const gpu::FaceLight& light)
 
 bool mayTouch(const LightView& light, const Caster& caster)
 {
-    return touchAt(light, caster) > 0.0 && !caster.hostDrawn && caster.mesh && caster.mesh->topology;
+    return touchAt(light, caster) > 0.0 && !caster.hostDrawn && !caster.gpuPlaced && caster.mesh &&
+           caster.mesh->topology;
 }
 
 bool isAtLight(const LightView& light, const Caster& caster, std::uint32_t face)

@@ -111,9 +111,23 @@ GnResult GN_CALL gnCreateInstances(GnContext context, const GnInstanceCreateInfo
 {
     if (pInstances) std::fill_n(pInstances, count, GnInstance(VK_NULL_HANDLE));
     return withStruct(context, pCreateInfo, "pCreateInfo", [&](Context& c, const GnInstanceCreateInfo& info) {
-        if (!pTransforms && count) return nullArgument(context, "pTransforms");
+        if (!pTransforms && count && !info.pTransformBuffer) return nullArgument(context, "pTransforms");
         if (!pInstances && count) return nullArgument(context, "pInstances");
-        return status(context, c.scene().createInstances(info, {pTransforms, count}, pInstances));
+        if (!info.pTransformBuffer)
+            return status(context, c.scene().createInstances(info, {pTransforms, count}, pInstances));
+        if (pTransforms)
+            return report(context, {GN_ERROR_OUT_OF_RANGE, "TransformsTwice",
+                                    "pTransforms and pCreateInfo->pTransformBuffer are both given"});
+        return status(context, c.scene().createPlacedInstances(info, count, pInstances));
+    });
+}
+
+GnResult GN_CALL gnUpdateInstancesFromBuffer(GnContext context, uint32_t count, const GnInstance* pInstances,
+                                             const GnTransformBuffer* pTransformBuffer)
+{
+    return withStruct(context, pTransformBuffer, "pTransformBuffer", [&](Context& c, const GnTransformBuffer& from) {
+        if (!pInstances && count) return nullArgument(context, "pInstances");
+        return status(context, c.scene().updatePlacedInstances({pInstances, count}, from));
     });
 }
 

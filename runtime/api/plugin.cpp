@@ -109,10 +109,13 @@ Result<void> checkAlgorithmInfo(const GnAlgorithmInfo& info)
     if (!info.pfnDeclare) return Error{GN_ERROR_NULL_ARGUMENT, "AlgorithmDeclare", who + "pfnDeclare is null"};
     if (!(info.traits & (GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT)))
         return Error{GN_ERROR_EMPTY, "AlgorithmLights", who + "traits name no kind of light"};
-    if (info.traits & GN_TRAIT_DEVICE_RAYS_BIT)
+    if (info.traits & (GN_TRAIT_DEVICE_RAYS_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT))
         return Error{GN_ERROR_UNSUPPORTED, "AlgorithmTraits",
                      who +
-                         "traits have GN_TRAIT_DEVICE_RAYS_BIT: structures of the device are built-in methods' alone"};
+                         (info.traits & GN_TRAIT_DEVICE_RAYS_BIT
+                              ? "traits have GN_TRAIT_DEVICE_RAYS_BIT: structures of the device"
+                              : "traits have GN_TRAIT_GPU_TRANSFORMS_BIT: transforms on the GPU") +
+                         " are built-in methods' alone"};
     if (info.settingCount && !info.pSettings)
         return Error{GN_ERROR_NULL_ARGUMENT, "AlgorithmSettings", who + "pSettings is null"};
     for (uint32_t i = 0; i < info.settingCount; ++i) {

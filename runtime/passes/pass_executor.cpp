@@ -103,8 +103,9 @@ Result<void> PassExecutor::begin(const ExecutorFrame& frame)
     const VkDeviceSize wanted = std::max<VkDeviceSize>(transforms.size_bytes(), sizeof(InstanceTransform));
     if (slot.transforms.size < wanted) {
         memory_.destroy(slot.transforms);
-        Result<GpuBuffer> made = memory_.createBuffer(std::bit_ceil(wanted), VK_BUFFER_USAGE_VERTEX_BUFFER_BIT,
-                                                      MemoryUse::upload, "frame.transforms");
+        constexpr VkBufferUsageFlags kUsage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT;
+        Result<GpuBuffer> made =
+            memory_.createBuffer(std::bit_ceil(wanted), kUsage, MemoryUse::upload, "frame.transforms");
         if (!made) return made.error();
         slot.transforms = *made;
         slot.transformsRevision = 0;

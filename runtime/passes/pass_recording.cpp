@@ -83,7 +83,9 @@ Result<void> PassExecutor::recordRound(VkCommandBuffer cmd, std::uint32_t round,
     if (round == 0 && frame_.uploads && frame_.uploads->uploadsPending())
         frame_.uploads->recordUploads(cmd, frame_.frame);
     if (round == 0 && frame_.uploads && frame_.uploads->conversionsPending())
-        if (auto recorded = frame_.uploads->recordConversions(cmd, frame_.frame, slot_->descriptors); !recorded)
+        if (auto recorded =
+                frame_.uploads->recordConversions(cmd, frame_.frame, slot_->descriptors, slot_->transforms.buffer);
+            !recorded)
             return recorded;
     if (round == 0 && frame_.warmupOwner != UINT32_MAX)
         if (Result<void> tried = pipelines_.recordWarmupDraws(cmd, frame_.warmupOwner); !tried)

@@ -36,7 +36,7 @@ void forFacesIn(std::span<const Plane> volume, const Caster& caster, FaceRange a
     const std::span<const Aabb> chunks = caster.mesh->chunks;
     among.end = std::min(among.end, caster.mesh->triangleCount());
     if (among.first >= among.end) return;
-    if (chunks.size() < 2 || holds(volume, caster.bounds)) return visit(among);
+    if (chunks.size() < 2 || caster.gpuPlaced || holds(volume, caster.bounds)) return visit(among);
     FaceRange run{among.first, among.first};
     for (std::uint32_t first = among.first; first < among.end;) {
         const std::uint32_t chunk = first / kChunkFaces, end = std::min((chunk + 1) * kChunkFaces, among.end);

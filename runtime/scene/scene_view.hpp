@@ -85,6 +85,8 @@ struct Caster {
     bool closed = false;   ///< mesh->closed; open casters are drawn from both sides with a bias.
     bool alphaTested = false;
     bool hostDrawn = false;
+    bool gpuPlaced = false; ///< The table of transforms alone says where it is: bounds and `mirrored` are the host's,
+                            ///< and the basis is zero, so that rays do not meet it.
     bool mayBeMissed = false;
     bool singleSided = false; ///< The host draws the front of its triangles only.
     PFN_gnDrawCasters drawCasters = nullptr;
@@ -126,11 +128,12 @@ struct LightCasters {
     std::uint64_t dynamicStamp = 0;     ///< The same for `dynamics`; 0 when there are none.
     std::uint32_t triangles = 0;
     std::uint32_t hostDrawn = 0; ///< Host-drawn casters in range that may not be missed.
+    std::uint32_t gpuPlaced = 0; ///< Casters in range whose transforms the GPU alone knows.
     std::uint32_t missable = 0;  ///< Casters in range that some methods draw and others leave out.
+    std::uint32_t opacities = 0; ///< Casters in range that ask the host whether a ray stops (Caster::opacity).
 };
 
 /// A plane with dot(normal, p) + distance >= 0 inside.
-    std::uint32_t opacities = 0; ///< Casters in range that ask the host whether a ray stops (Caster::opacity).
 struct Plane {
     glm::vec3 normal{0.0f};
     float distance = 0.0f;

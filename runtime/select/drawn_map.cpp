@@ -72,7 +72,7 @@ double DrawnMap::texelsOff(const MapKey& key, const MapPose& now) const
         const Caster& caster = *casters.dynamics[i];
         if (before.id != caster.id) return kNever;
         if (before.revision == caster.revision) continue;
-        if (!caster.mesh || caster.mesh->revision != before.meshRevision) return kNever;
+        if (!caster.mesh || caster.gpuPlaced || caster.mesh->revision != before.meshRevision) return kNever;
         double nearest = 1.0;
         if (light.type != GN_LIGHT_TYPE_DIRECTIONAL) {
             const glm::dvec3 at(light.position());

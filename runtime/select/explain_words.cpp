@@ -78,6 +78,8 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
         return detail + " casters that only the GPU may read (GN_MESH_NO_CPU_COPY_BIT)";
     case Exclusion::copies:
         return detail + " casters without a copy for the CPU yet";
+    case Exclusion::gpuPlaced:
+        return detail + " casters whose transforms only the GPU reads (GnTransformBuffer)";
     }
     return {};
 }

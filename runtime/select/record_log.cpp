@@ -308,7 +308,7 @@ private:
         if (candidate.quantised < -1 || candidate.quantised > rules::kSuitabilitySteps)
             fault("has a suitability of " + std::to_string(candidate.quantised) + " / 4096");
         candidate.opinion = candidate.quantised >= 0;
-        candidate.exclusion = readEnum(Exclusion::copies, "exclusion");
+        candidate.exclusion = readEnum(Exclusion::gpuPlaced, "exclusion");
         candidate.why = readEnum(plan::Why::price, "elimination");
         candidate.quality = in_.real32();
         candidate.predictedMs = in_.real32();

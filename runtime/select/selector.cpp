@@ -118,6 +118,8 @@ Candidate Selector::examine(const Method& method, const SelectionInput& input, c
     if (input.recorded && entry.roundTrips > 0) return out(Exclusion::roundTrips, entry.roundTrips);
     if (has(GN_TRAIT_CPU_GEOMETRY_BIT) && input.casters->hostDrawn)
         return out(Exclusion::hostDrawn, input.casters->hostDrawn);
+    if (!has(GN_TRAIT_GPU_TRANSFORMS_BIT) && input.casters->gpuPlaced)
+        return out(Exclusion::gpuPlaced, input.casters->gpuPlaced);
     const bool readsThem = readsTriangles(entry.traits);
     if (readsThem && casters.gpuOnly) return out(Exclusion::gpuOnly, casters.gpuOnly);
     const bool byConnectivity = has(GN_TRAIT_GPU_POSITIONS_BIT);
@@ -194,9 +196,9 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
     decision.rectangle = input.light->rectangular();
+    decision.asksHost = input.casters->opacities > 0;
     decision.guessed = memory.guessed && memory.measured;
     decision.pinned = input.pinned;
-    decision.asksHost = input.casters->opacities > 0;
     decision.plainSide = input.plainSide;
     decision.wantedPlainSide = input.wantedPlainSide;
     decision.importance = input.importance;

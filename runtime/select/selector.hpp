@@ -38,6 +38,7 @@ enum class Exclusion : std::uint8_t {
     unseen,     ///< No pixel can be in the light's range.
     gpuOnly,    ///< Casters that the host lets nobody copy to the CPU.
     copies,     ///< Casters whose copy for the CPU is not there yet.
+    gpuPlaced,  ///< Casters whose transforms the GPU alone knows.
 };
 
 struct Candidate {
@@ -75,8 +76,8 @@ struct LightDecision {
     bool distanceMeasured = false;
     bool switched = false;
     bool rectangle = false; ///< LightView::rectangular().
-    bool guessed = false;   ///< The incumbent was chosen before its receivers were measured, as they are now.
     bool asksHost = false;  ///< LightCasters::opacities: what can trace on the CPU does.
+    bool guessed = false;   ///< The incumbent was chosen before its receivers were measured, as they are now.
     std::uint32_t outgoing = UINT32_MAX;             ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                               ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;               ///< Runs as well, to be measured; what it shows nobody sees.

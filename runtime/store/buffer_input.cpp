@@ -23,25 +23,32 @@ std::uint32_t bytesOf(VkFormat format)
     return format == VK_FORMAT_R16G16B16A16_SFLOAT || format == VK_FORMAT_R16G16B16A16_SNORM ? 8 : 0;
 }
 
-/// What is needed of it. @param part "positions" or "indices" @param need bytes from the offset on
+struct RangeIds {
+    const char *null, *offset, *tooSmall, *tooLarge;
+};
+constexpr RangeIds kMeshRange{"MeshBufferNull", "MeshBufferOffset", "MeshBufferTooSmall", "MeshTooLarge"};
+constexpr RangeIds kTransformRange{"TransformBufferNull", "TransformBufferOffset", "TransformBufferTooSmall",
+                                   "TransformsTooLarge"};
+
+/// What is needed of it. @param part "positions", "indices" or "transforms" @param need bytes from the offset on
 Result<VkDescriptorBufferInfo> readRange(Subject what, const char* part, const VkDescriptorBufferInfo& range,
-                                         std::uint64_t unit, std::uint64_t need, const MeshLimits& limits)
+                                         std::uint64_t unit, std::uint64_t need, const MeshLimits& limits,
+                                         const RangeIds& ids = kMeshRange)
 {
     const std::string name = part;
-    if (!range.buffer)
-        return Error{GN_ERROR_NULL_ARGUMENT, "MeshBufferNull", what.text() + ": " + name + ".buffer is null"};
+    if (!range.buffer) return Error{GN_ERROR_NULL_ARGUMENT, ids.null, what.text() + ": " + name + ".buffer is null"};
     if (range.offset % unit != 0)
-        return outOfRange(what, "MeshBufferOffset",
+        return outOfRange(what, ids.offset,
                           name + ".offset is " + std::to_string(range.offset) + ", not a multiple of " +
                               std::to_string(unit));
     if (range.range == VK_WHOLE_SIZE || range.range < need)
-        return outOfRange(what, "MeshBufferTooSmall",
+        return outOfRange(what, ids.tooSmall,
                           name + ".range is " +
                               (range.range == VK_WHOLE_SIZE ? "VK_WHOLE_SIZE" : std::to_string(range.range)) + "; " +
                               std::to_string(need) + " bytes are needed");
     constexpr std::uint64_t kMostAlignment = 256; // Vulkan's limit of minStorageBufferOffsetAlignment
     if (need + kMostAlignment <= limits.bufferBytes) return VkDescriptorBufferInfo{range.buffer, range.offset, need};
-    return Error{GN_ERROR_TOO_MANY, "MeshTooLarge",
+    return Error{GN_ERROR_TOO_MANY, ids.tooLarge,
                  what.text() + ": " + name + " are " + std::to_string(need) + " bytes long; the device reads " +
                      std::to_string(limits.bufferBytes)};
 }
@@ -111,6 +118,40 @@ Result<VkDescriptorBufferInfo> readPositionRange(Subject what, const BufferMeshL
 {
     const std::uint64_t need = std::uint64_t{layout.positionCount - 1} * layout.stride + bytesOf(layout.format);
     return readRange(what, "positions", positions, 4, need, limits);
+}
+
+Result<TransformArray> readTransformArray(Subject what, const GnTransformBuffer& transforms, std::uint32_t count,
+                                          const MeshLimits& limits)
+{
+    constexpr std::uint32_t kBytes = 48;
+    static constexpr const char* kOrigin[] = {"origin[0]", "origin[1]", "origin[2]"};
+    TransformArray out{.stride = transforms.stride ? transforms.stride : kBytes,
+                       .mirrored = transforms.mirrored != VK_FALSE};
+    if (out.stride < kBytes || out.stride % 4 != 0)
+        return outOfRange(what, "TransformStride",
+                          "stride " + std::to_string(out.stride) + " is not a multiple of 4, at least 48");
+    if (!transforms.pBounds)
+        return Error{GN_ERROR_NULL_ARGUMENT, "TransformBoundsNull", what.text() + ": pBounds is null"};
+    for (int i = 0; i < 3; ++i) {
+        if (Result<void> check = checkNumber(what, transforms.origin[i], kOrigin[i]); !check) return check.error();
+        out.origin[i] = transforms.origin[i];
+    }
+    const std::uint64_t need = std::uint64_t{count - 1} * out.stride + kBytes;
+    const Result<VkDescriptorBufferInfo> range =
+        readRange(what, "transforms", transforms.transforms, 4, need, limits, kTransformRange);
+    if (!range) return range.error();
+    out.range = *range;
+    return out;
+}
+
+Result<Aabb> readPlacedBounds(Subject what, const GnTransformBuffer& transforms, std::uint32_t element)
+{
+    const float* six = transforms.pBounds + std::size_t{6} * element;
+    Result<Aabb> bounds = readBounds(what, {six[0], six[1], six[2]}, {six[3], six[4], six[5]});
+    if (bounds) return bounds;
+    Error error = bounds.error();
+    error.text = "pBounds of element " + std::to_string(element) + ": " + error.text;
+    return error;
 }
 
 Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const MeshLimits& limits)

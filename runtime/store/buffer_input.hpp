@@ -1,5 +1,7 @@
 #pragma once
-// Meshes in the host's buffers as the host describes them, checked. No state; every error names the value at fault.
+// Meshes and transforms in the host's buffers as the host describes them, checked. No state; every error names the
+// value at fault.
+#include "runtime/store/placement.hpp"
 #include "runtime/store/scene_input.hpp"
 
 namespace gnomon {
@@ -28,5 +30,11 @@ Result<BufferMeshInput> readMeshInBuffers(const GnMeshCreateInfo& info, const Me
 /// All positions of such a mesh out of a part of a buffer, which may be a pool larger than what the device binds.
 Result<VkDescriptorBufferInfo> readPositionRange(Subject what, const BufferMeshLayout& layout,
                                                  const VkDescriptorBufferInfo& positions, const MeshLimits& limits);
+
+/// Of so many instances, not 0. Bounds are checked one by one.
+Result<TransformArray> readTransformArray(Subject what, const GnTransformBuffer& transforms, std::uint32_t count,
+                                          const MeshLimits& limits);
+/// @pre readTransformArray()
+Result<Aabb> readPlacedBounds(Subject what, const GnTransformBuffer& transforms, std::uint32_t element);
 
 } // namespace gnomon

@@ -1,9 +1,10 @@
 #pragma once
-// Meshes in the host's buffers: the GPU's copy of them, and the passes that make it.
+// Meshes in the host's buffers: the GPU's copy of them, and the passes that read these buffers.
 #include <mutex>
 
 #include "runtime/store/buffer_input.hpp"
 #include "runtime/store/mesh_store.hpp"
+#include "runtime/store/placement.hpp"
 #include "runtime/vk/descriptor_ring.hpp"
 #include "runtime/vk/pipeline_store.hpp"
 
@@ -63,25 +64,28 @@ public:
                            const MeshConnectivity* connectivity, const VkDescriptorBufferInfo& from) const;
     Result<void> indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
                          const VkDescriptorBufferInfo& from) const;
+    /// @param table of the frame's transforms
+    Result<void> transforms(VkCommandBuffer cmd, DescriptorRing& descriptors, const PlacementRun& run,
+                            VkBuffer table) const;
 
 private:
     struct Job {
         PipelineId pipeline;
         VkDescriptorBufferInfo from; ///< Aligned as the device asks.
-        VkBuffer to;
+        VkDescriptorBufferInfo to;   ///< Likewise.
+        VkBuffer findings;
         VkBuffer watched; ///< Null: none.
         std::uint32_t count;
         const void* push;
         std::uint32_t pushBytes;
     };
-    Result<void> dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
-                          const Job& job) const;
+    Result<void> dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const Job& job) const;
     VkDescriptorBufferInfo aligned(const VkDescriptorBufferInfo& from) const;
 
     const DeviceTable& vk_;
     PipelineStore& pipelines_;
     std::uint32_t owner_;
-    PipelineId positions_, indices_;
+    PipelineId positions_, indices_, transforms_;
     std::mutex mutex_;
 };
 

@@ -4,6 +4,7 @@
 #include "shaders/runtime/mesh_read.h"
 #include "shaders/runtime_mesh_indices_comp.h"
 #include "shaders/runtime_mesh_positions_comp.h"
+#include "shaders/runtime_placements_comp.h"
 
 namespace gnomon {
 namespace {
@@ -12,7 +13,12 @@ constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storage
                                      {.binding = 1, .kind = BindingKind::storageBuffer},
                                      {.binding = 2, .kind = BindingKind::storageBuffer},
                                      {.binding = 3, .kind = BindingKind::storageBuffer}}; // of positions
-constexpr std::size_t kIndexBindings = 3;
+constexpr std::size_t kUnwatched = 3;
+
+VkDescriptorBufferInfo whole(VkBuffer buffer)
+{
+    return {buffer, 0, VK_WHOLE_SIZE};
+}
 
 std::uint32_t formatWord(VkFormat format)
 {
@@ -32,8 +38,12 @@ MeshConverter::MeshConverter(const DeviceTable& vk, PipelineStore& pipelines, st
                                      .pushBytes = sizeof(gpu::MeshPositionsRead)});
     indices_ = pipelines_.compute({.name = "mesh.indices",
                                    .compute = {.code = k_runtime_mesh_indices_comp},
-                                   .bindings = std::span(kBindings).first(kIndexBindings),
+                                   .bindings = std::span(kBindings).first(kUnwatched),
                                    .pushBytes = sizeof(gpu::MeshIndicesRead)});
+    transforms_ = pipelines_.compute({.name = "instances.transforms",
+                                      .compute = {.code = k_runtime_placements_comp},
+                                      .bindings = std::span(kBindings).first(kUnwatched),
+                                      .pushBytes = sizeof(gpu::PlacementsRead)});
 }
 
 Result<void> MeshConverter::prepare()
@@ -43,7 +53,8 @@ Result<void> MeshConverter::prepare()
     }
     const std::string failure = pipelines_.failure(owner_);
     if (failure.empty()) return {};
-    return Error{GN_ERROR_FEATURE_MISSING, "MeshPipelines", "meshes in buffers cannot be read: " + failure};
+    return Error{GN_ERROR_FEATURE_MISSING, "MeshPipelines",
+                 "meshes and transforms in buffers cannot be read: " + failure};
 }
 
 VkDescriptorBufferInfo MeshConverter::aligned(const VkDescriptorBufferInfo& from) const
@@ -67,8 +78,15 @@ Result<void> MeshConverter::positions(VkCommandBuffer cmd, DescriptorRing& descr
                                       .watches = connectivity ? 1u : 0u};
     // Something must be bound.
     const VkBuffer watched = connectivity ? connectivity->watched.get().buffer : mesh.findings.get().buffer;
-    return dispatch(cmd, descriptors, mesh,
-                    {positions_, bound, mesh.vertices.get().buffer, watched, layout.positionCount, &push, sizeof push});
+    return dispatch(cmd, descriptors,
+                    {.pipeline = positions_,
+                     .from = bound,
+                     .to = whole(mesh.vertices.get().buffer),
+                     .findings = mesh.findings.get().buffer,
+                     .watched = watched,
+                     .count = layout.positionCount,
+                     .push = &push,
+                     .pushBytes = sizeof push});
 }
 
 Result<void> MeshConverter::indices(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
@@ -85,23 +103,55 @@ Result<void> MeshConverter::indices(VkCommandBuffer cmd, DescriptorRing& descrip
                                     .vertexOffset = static_cast<std::uint32_t>(layout.vertexOffset),
                                     .vertexCount = layout.positionCount,
                                     .turned = layout.turned ? 1u : 0u};
-    return dispatch(
-        cmd, descriptors, mesh,
-        {indices_, bound, mesh.indices.get().buffer, VK_NULL_HANDLE, push.triangleCount, &push, sizeof push});
+    return dispatch(cmd, descriptors,
+                    {.pipeline = indices_,
+                     .from = bound,
+                     .to = whole(mesh.indices.get().buffer),
+                     .findings = mesh.findings.get().buffer,
+                     .watched = VK_NULL_HANDLE,
+                     .count = push.triangleCount,
+                     .push = &push,
+                     .pushBytes = sizeof push});
 }
 
-Result<void> MeshConverter::dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const BufferMesh& mesh,
-                                     const Job& job) const
+Result<void> MeshConverter::transforms(VkCommandBuffer cmd, DescriptorRing& descriptors, const PlacementRun& run,
+                                       VkBuffer table) const
+{
+    // Sixteen of them are 768 bytes: a multiple of every alignment that Vulkan allows.
+    constexpr std::uint32_t kRowBytes = 48, kAligned = 16;
+    const std::uint32_t before = run.index % kAligned;
+    const VkDescriptorBufferInfo bound = aligned(run.array.range);
+    const gpu::PlacementsRead push{.shift = {run.shift[0], run.shift[1], run.shift[2], 0.0f},
+                                   .count = run.count,
+                                   .firstElement = run.element,
+                                   .firstIndex = before,
+                                   .firstWord = static_cast<std::uint32_t>((run.array.range.offset - bound.offset) / 4),
+                                   .strideWords = run.array.stride / 4,
+                                   .mirrored = run.array.mirrored ? 1u : 0u};
+    return dispatch(
+        cmd, descriptors,
+        {.pipeline = transforms_,
+         .from = bound,
+         .to = {table, VkDeviceSize{kRowBytes} * (run.index - before), VkDeviceSize{kRowBytes} * (before + run.count)},
+         .findings = run.findings->buffer.get().buffer,
+         .watched = VK_NULL_HANDLE,
+         .count = run.count,
+         .push = &push,
+         .pushBytes = sizeof push});
+}
+
+Result<void> MeshConverter::dispatch(VkCommandBuffer cmd, DescriptorRing& descriptors, const Job& job) const
 {
     const Pipeline& pipeline = pipelines_.get(job.pipeline);
     const auto storage = [](std::uint32_t binding, VkBuffer buffer, VkDeviceSize offset, VkDeviceSize range) {
         return DescriptorWrite{
             .binding = binding, .kind = BindingKind::storageBuffer, .buffer = buffer, .range = range, .offset = offset};
     };
-    const DescriptorWrite writes[] = {
-        storage(0, job.from.buffer, job.from.offset, job.from.range), storage(1, job.to, 0, VK_WHOLE_SIZE),
-        storage(2, mesh.findings.get().buffer, 0, VK_WHOLE_SIZE), storage(3, job.watched, 0, VK_WHOLE_SIZE)};
-    const std::size_t bound = job.watched ? std::size(writes) : kIndexBindings;
+    const DescriptorWrite writes[] = {storage(0, job.from.buffer, job.from.offset, job.from.range),
+                                      storage(1, job.to.buffer, job.to.offset, job.to.range),
+                                      storage(2, job.findings, 0, VK_WHOLE_SIZE),
+                                      storage(3, job.watched, 0, VK_WHOLE_SIZE)};
+    const std::size_t bound = job.watched ? std::size(writes) : kUnwatched;
     const Result<VkDescriptorSet> set = descriptors.next(pipeline.setLayout, std::span(writes).first(bound));
     if (!set) return set.error();
     const VkDescriptorSet handle = *set;

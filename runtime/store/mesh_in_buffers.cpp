@@ -53,20 +53,19 @@ Result<std::shared_ptr<MeshRevision>> MeshBuilder::createInBuffers(BufferMeshInp
         OwnedBuffer* to;
         VkDeviceSize size;
         VkBufferUsageFlags usage;
-        MemoryUse use;
     };
     for (const Wanted& wanted : {Wanted{&mesh->vertices, sizeof(glm::vec3) * VkDeviceSize{input.layout.positionCount},
-                                        read | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT, MemoryUse::device},
+                                        read | VK_BUFFER_USAGE_VERTEX_BUFFER_BIT},
                                  Wanted{&mesh->indices, sizeof(std::uint32_t) * VkDeviceSize{input.layout.indexCount},
-                                        read | VK_BUFFER_USAGE_INDEX_BUFFER_BIT, MemoryUse::device},
-                                 Wanted{&mesh->findings, sizeof(MeshFindings), kStorage, MemoryUse::readback}}) {
+                                        read | VK_BUFFER_USAGE_INDEX_BUFFER_BIT}}) {
         const Result<GpuBuffer> made =
-            memory_.createBuffer(wanted.size, wanted.usage, wanted.use, mesh->identity->name.c_str());
+            memory_.createBuffer(wanted.size, wanted.usage, MemoryUse::device, mesh->identity->name.c_str());
         if (!made) return made.error();
         *wanted.to = OwnedBuffer(memory_, *made);
     }
-    const MeshFindings none{UINT32_MAX, UINT32_MAX};
-    std::memcpy(mesh->findings.get().mapped, &none, sizeof none);
+    Result<OwnedBuffer> found = findings(sizeof(MeshFindings), mesh->identity->name);
+    if (!found) return found.error();
+    mesh->findings = std::move(*found);
     mesh->bounds = input.bounds;
     return rewriteInBuffers(std::move(mesh), input.bounds);
 }
@@ -76,6 +75,15 @@ Result<OwnedBuffer> MeshBuilder::readback(VkDeviceSize size, const std::string& 
     const Result<GpuBuffer> made =
         memory_.createBuffer(size, VK_BUFFER_USAGE_TRANSFER_DST_BIT, MemoryUse::readback, name.c_str());
     if (!made) return made.error();
+    return OwnedBuffer(memory_, *made);
+}
+
+Result<OwnedBuffer> MeshBuilder::findings(VkDeviceSize size, const std::string& name) const
+{
+    const Result<GpuBuffer> made =
+        memory_.createBuffer(size, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, MemoryUse::readback, name.c_str());
+    if (!made) return made.error();
+    std::memset(made->mapped, 0xff, size);
     return OwnedBuffer(memory_, *made);
 }
 

@@ -144,6 +144,8 @@ public:
 
     /// For copied(). Mapped.
     Result<OwnedBuffer> readback(VkDeviceSize size, const std::string& name) const;
+    /// For what shaders find, mapped: all ones.
+    Result<OwnedBuffer> findings(VkDeviceSize size, const std::string& name) const;
     bool inBackground() const noexcept { return background_; }
 
     MeshLimits limits() const noexcept

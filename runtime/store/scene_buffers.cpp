@@ -195,11 +195,12 @@ void SceneRegistry::Impl::reportWaitingCopies()
 bool SceneRegistry::conversionsPending() const
 {
     const std::lock_guard lock(impl_->mutex);
-    return !impl_->due.empty() ||
+    return !impl_->due.empty() || !impl_->placements.empty() ||
            std::any_of(impl_->copies.begin(), impl_->copies.end(), [](const auto& copy) { return copy->frame == 0; });
 }
 
-Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t frame, DescriptorRing& descriptors)
+Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t frame, DescriptorRing& descriptors,
+                                              VkBuffer table)
 {
     Impl& self = *impl_;
     const std::lock_guard lock(self.mutex);
@@ -213,6 +214,8 @@ Result<void> SceneRegistry::recordConversions(VkCommandBuffer cmd, std::uint64_t
         if (!conversion.indices) continue;
         if (auto ok = self.converter->indices(cmd, descriptors, mesh, *conversion.indices); !ok) return ok;
     }
+    for (const PlacementRun& run : self.placements)
+        if (auto ok = self.converter->transforms(cmd, descriptors, run, table); !ok) return ok;
     orderMemory(self.vk, cmd, conversionsBeforeReads(self.vk));
     self.recordCopies(cmd, frame);
     for (Impl::Conversion& conversion : self.due)

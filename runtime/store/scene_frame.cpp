@@ -29,7 +29,7 @@ void SceneRegistry::Impl::forgetDestroyed()
 {
     if (destroyed == 0) return;
     std::erase_if(dirty, [](const InstanceRecord* record) { return record->destroyed; });
-    std::erase_if(hostDrawn, [](const InstanceRecord* record) { return record->destroyed; });
+    std::erase_if(restless, [](const InstanceRecord* record) { return record->destroyed; });
     std::erase_if(order, [](const InstancePtr& record) { return record->destroyed; });
     destroyed = 0;
 }
@@ -44,11 +44,10 @@ void SceneRegistry::Impl::markChangedMeshes()
     }
 }
 
-/// What the host draws may be another shape in every frame, without a word to us; static ones are promised to rest.
-void SceneRegistry::Impl::markHostDrawn()
+void SceneRegistry::Impl::markRestless()
 {
-    for (InstanceRecord* record : hostDrawn)
-        if (!record->isStatic) mark(*record);
+    for (InstanceRecord* record : restless)
+        if (record->changesUnseen()) mark(*record);
 }
 
 /// @return whether the instance entered or left the casters.
@@ -86,6 +85,7 @@ void SceneRegistry::Impl::makeRoomForFrame()
     changed.reserve(all);
     casting.reserve(all);
     makeRoom(reports, order.size());
+    placements.reserve(restless.size());
     arrays.makeRoom(all);
 }
 
@@ -120,12 +120,13 @@ const SceneRegistry::Snapshot& SceneRegistry::begin(std::uint64_t frame, const s
         self.lastFrame = frame;
         self.origin = origin;
         if (std::exchange(self.meshesChanged, false)) self.markChangedMeshes();
-        self.markHostDrawn();
+        self.markRestless();
         if (shifted)
             for (const InstancePtr& record : self.order)
                 self.mark(*record);
         const bool structural = self.refreshMarked();
         self.arrays.publish(self.casting, self.changed, structural);
+        self.findPlacements();
         self.refreshLights(shifted);
     }
     self.releasedRevisions.clear();
@@ -153,10 +154,11 @@ LightCasters SceneRegistry::castersOf(const LightView& light, FrameArena& arena)
             dynamics[dynamicCount++] = &caster;
         if (caster.mesh) result.triangles += caster.mesh->triangleCount();
         if (caster.hostDrawn && !caster.mayBeMissed) ++result.hostDrawn;
+        if (caster.gpuPlaced) ++result.gpuPlaced;
         if (caster.mayBeMissed && (caster.hostDrawn || caster.alphaTested)) ++result.missable;
+        if (caster.alphaTested && caster.opacity) ++result.opacities;
     }
     std::copy_n(dynamics.begin(), dynamicCount, all.begin() + staticCount);
-        if (caster.alphaTested && caster.opacity) ++result.opacities;
     result.all = all.first(staticCount + dynamicCount);
     result.statics = result.all.first(staticCount);
     result.dynamics = result.all.subspan(staticCount);

@@ -201,6 +201,7 @@ void SceneRegistry::retire(std::uint64_t completedFrame)
 {
     Impl& self = *impl_;
     self.retireConversions(completedFrame);
+    self.retirePlacements();
     const auto done = [completedFrame](const auto& waiting) { return waiting.frame <= completedFrame; };
     {
         const std::lock_guard lock(self.mutex);

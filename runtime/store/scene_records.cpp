@@ -31,8 +31,28 @@ float longestEdgeOf(const Caster& caster, const MeshView& mesh)
     return std::min(glm::length(span), glm::distance(caster.bounds.lower, caster.bounds.upper));
 }
 
-void updateCaster(InstanceRecord& record, const MeshView* view, const std::array<double, 3>& origin,
-                  std::uint64_t revision)
+namespace {
+
+/// What is known of a caster whose transform the GPU alone reads: the host's box around it.
+void updatePlaced(Caster& caster, const BufferPlacement& placement, const std::array<double, 3>& origin)
+{
+    for (int i = 0; i < 3; ++i) {
+        const double shift = placement.array.origin[i] - origin[i];
+        const double lower = double{placement.bounds.lower[i]} + shift,
+                     upper = double{placement.bounds.upper[i]} + shift;
+        const auto down = static_cast<float>(lower), up = static_cast<float>(upper);
+        caster.bounds.lower[i] = double{down} > lower ? std::nextafter(down, -INFINITY) : down;
+        caster.bounds.upper[i] = double{up} < upper ? std::nextafter(up, INFINITY) : up;
+    }
+    caster.gpuPlaced = true;
+    caster.mirrored = placement.array.mirrored;
+    caster.basis = glm::mat3(0.0f);
+    caster.translation = 0.5f * (caster.bounds.lower + caster.bounds.upper);
+    caster.longestEdge = glm::distance(caster.bounds.lower, caster.bounds.upper);
+}
+
+/// What follows from a transform that is known.
+void updateTransformed(InstanceRecord& record, const MeshView* view, const std::array<double, 3>& origin)
 {
     Caster& caster = record.caster;
     const float(&rows)[9] = record.transform.basis;
@@ -42,14 +62,26 @@ void updateCaster(InstanceRecord& record, const MeshView* view, const std::array
             record.rows.rows[4 * row + column] = caster.basis[column][row] = rows[3 * row + column];
         record.rows.rows[4 * row + 3] = caster.translation[row];
     }
-    caster.mesh = view;
     caster.bounds = transformed(view ? view->bounds : record.hostBounds, caster.basis, caster.translation);
     caster.mirrored = glm::determinant(glm::dmat3(caster.basis)) < 0.0;
-    caster.closed = view && view->closed;
     caster.longestEdge = view ? longestEdgeOf(caster, *view) : 0.0f;
     caster.meshReach = view ? largestOf(glm::max(glm::abs(caster.bounds.lower - caster.translation),
                                                  glm::abs(caster.bounds.upper - caster.translation)))
                             : 0.0f;
+}
+
+} // namespace
+
+void updateCaster(InstanceRecord& record, const MeshView* view, const std::array<double, 3>& origin,
+                  std::uint64_t revision)
+{
+    Caster& caster = record.caster;
+    if (record.placement)
+        updatePlaced(caster, *record.placement, origin);
+    else
+        updateTransformed(record, view, origin);
+    caster.mesh = view;
+    caster.closed = view && view->closed;
     caster.isStatic = record.isStatic;
     caster.revision = revision;
 }

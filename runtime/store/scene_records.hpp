@@ -2,9 +2,11 @@
 // The registry's own records of instances and lights, and the arrays that frames see.
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runtime/store/placement.hpp"
 #include "runtime/store/scene_input.hpp"
 #include "runtime/store/scene_registry.hpp"
 
@@ -16,7 +18,8 @@ struct InstanceRecord {
     std::uint64_t handle = 0;
     GnMesh mesh = VK_NULL_HANDLE;
     GnTransform transform{};
-    Aabb hostBounds; ///< Object space, host-drawn only.
+    std::optional<BufferPlacement> placement; ///< In place of `transform`.
+    Aabb hostBounds;                          ///< Object space, host-drawn only.
     bool isStatic = false;
     bool destroyed = false;
     bool dirty = false;   ///< In the list of what the next frame has to look at.
@@ -30,6 +33,8 @@ struct InstanceRecord {
     std::uint64_t seenPositions = 0; ///< MeshView::revision, 0: none.
 
     std::string what() const { return named("instance", name.c_str()); }
+    /// Whether it may be another shape, or elsewhere, in every frame, without a word to us.
+    bool changesUnseen() const { return placement || (caster.hostDrawn && !isStatic); }
 };
 
 /// A light. Touched by the frame's thread only, but the previous frame's workers may still read the other view.

@@ -30,9 +30,7 @@ void SceneRegistry::Impl::mark(InstanceRecord& record)
     record.dirty = true;
 }
 
-namespace {
-
-Result<InstancePtr> recordOf(const GnInstanceCreateInfo& info)
+Result<InstancePtr> instanceRecordOf(const GnInstanceCreateInfo& info)
 {
     Result<GnInstanceCreateInfo> read = readInstance(info);
     if (!read) return read.error();
@@ -58,14 +56,11 @@ Result<InstancePtr> recordOf(const GnInstanceCreateInfo& info)
     return record;
 }
 
-/// The error with the element of an array at fault.
 Error atElement(std::size_t index, const char* array, Error error)
 {
     error.text = std::string(array) + "[" + std::to_string(index) + "]: " + error.text;
     return error;
 }
-
-} // namespace
 
 /// Everything that inserting so many like this one may fail for.
 Result<void> SceneRegistry::Impl::makeRoomLike(const InstanceRecord& record, std::size_t count)
@@ -76,7 +71,7 @@ Result<void> SceneRegistry::Impl::makeRoomLike(const InstanceRecord& record, std
         return error;
     }
     makeRoom(order, count);
-    if (record.caster.hostDrawn) makeRoom(hostDrawn, count);
+    if (record.caster.hostDrawn || record.placement) makeRoom(restless, count);
     dirty.reserve(order.capacity()); // begin() may have to look at all of them
     if (!instances.makeRoom(count)) return tooMany("instance");
     return {};
@@ -89,14 +84,19 @@ std::uint64_t SceneRegistry::Impl::insert(InstancePtr record) noexcept
     record->handle = instances.insert(record);
     caster.id = SlotMap<InstancePtr>::indexOf(record->handle) + 1;
     mark(*record);
-    if (caster.hostDrawn) hostDrawn.push_back(record.get());
+    if (caster.hostDrawn || record->placement) restless.push_back(record.get());
     order.push_back(std::move(record));
     return order.back()->handle;
 }
 
 Result<GnInstance> SceneRegistry::createInstance(const GnInstanceCreateInfo& info)
 {
-    Result<InstancePtr> record = recordOf(info);
+    if (info.pTransformBuffer) {
+        GnInstance placed = VK_NULL_HANDLE;
+        if (Result<void> made = createPlacedInstances(info, 1, &placed); !made) return made.error();
+        return placed;
+    }
+    Result<InstancePtr> record = instanceRecordOf(info);
     if (!record) return record.error();
     const std::lock_guard lock(impl_->mutex);
     if (Result<void> room = impl_->makeRoomLike(**record, 1); !room) return room.error();
@@ -111,7 +111,7 @@ Result<void> SceneRegistry::createInstances(const GnInstanceCreateInfo& info, st
     GnInstanceCreateInfo each = info;
     for (const GnTransform& transform : transforms) {
         each.transform = transform;
-        Result<InstancePtr> record = recordOf(each);
+        Result<InstancePtr> record = instanceRecordOf(each);
         if (!record) return atElement(records.size(), "pTransforms", record.error());
         records.push_back(std::move(*record));
     }
@@ -122,6 +122,16 @@ Result<void> SceneRegistry::createInstances(const GnInstanceCreateInfo& info, st
         *instances++ = handleFromBits<GnInstance>(impl_->insert(std::move(record)));
     return {};
 }
+
+namespace {
+
+Error inBuffer(const InstanceRecord& record)
+{
+    return {GN_ERROR_INVALID_HANDLE, "InstanceInBuffer",
+            record.what() + " has its transform in a buffer: gnUpdateInstancesFromBuffer changes it"};
+}
+
+} // namespace
 
 Result<void> SceneRegistry::setInstanceTransforms(std::span<const GnInstance> instances,
                                                   std::span<const GnTransform> transforms)
@@ -136,6 +146,7 @@ Result<void> SceneRegistry::setInstanceTransforms(std::span<const GnInstance> in
         for (std::size_t i = 0; i < instances.size(); ++i) {
             const InstancePtr* found = impl_->instances.find(bitsOf(instances[i]));
             if (!found) return atElement(i, "pInstances", invalidHandle("instance"));
+            if ((*found)->placement) return atElement(i, "pInstances", inBuffer(**found));
             if (Result<GnTransform> transform = read(i, **found); !transform)
                 return atElement(i, "pTransforms", transform.error());
             statics += (*found)->isStatic;
@@ -163,6 +174,7 @@ Result<void> SceneRegistry::setInstanceTransform(GnInstance instance, const GnTr
         const InstancePtr* found = impl_->instances.find(bitsOf(instance));
         if (!found) return invalidHandle("instance");
         InstanceRecord& record = **found;
+        if (record.placement) return inBuffer(record);
         Result<GnTransform> read = readTransform({"instance", record.name.c_str()}, transform);
         if (!read) return read.error();
         if (sameTransform(record.transform, *read)) return {};

@@ -42,13 +42,18 @@ public:
     Result<void> updateMeshFromBuffer(GnMesh mesh, const VkDescriptorBufferInfo& positions, const float* lower,
                                       const float* upper);
     void destroyMesh(GnMesh mesh);
-    /// Before the first mesh in buffers. @param owner of the pipelines that read them; no frame warms these up
+    /// Before the first mesh or transforms in buffers. @param owner of the pipelines that read them; no frame warms
+    /// these up
     void readBuffersBy(PipelineStore& pipelines, std::uint32_t owner);
 
     Result<GnInstance> createInstance(const GnInstanceCreateInfo& info);
     /// One for each transform, or none. @param instances as many
     Result<void> createInstances(const GnInstanceCreateInfo& info, std::span<const GnTransform> transforms,
                                  GnInstance* instances);
+    /// Of transforms in info.pTransformBuffer, which is not null.
+    Result<void> createPlacedInstances(const GnInstanceCreateInfo& info, std::uint32_t count, GnInstance* instances);
+    /// All or none.
+    Result<void> updatePlacedInstances(std::span<const GnInstance> instances, const GnTransformBuffer& transforms);
     Result<void> setInstanceTransform(GnInstance instance, const GnTransform& transform);
     /// All or none. @param transforms as many as instances
     Result<void> setInstanceTransforms(std::span<const GnInstance> instances, std::span<const GnTransform> transforms);
@@ -90,10 +95,12 @@ public:
     /// command buffer. On devices where buffers are written in place there is nothing to record.
     bool uploadsPending() const;
     void recordUploads(VkCommandBuffer cmd, std::uint64_t frame);
-    /// The same of meshes in the host's buffers, as of the newest begin(), and copies of them for the CPU. After the
-    /// uploads: what the GPU wrote last counts.
+    /// The same of meshes and transforms in the host's buffers, as of the newest begin(), and copies of these meshes
+    /// for the CPU. After the uploads: what the GPU wrote last counts.
+    /// @param table of the frame's transforms
     bool conversionsPending() const;
-    Result<void> recordConversions(VkCommandBuffer cmd, std::uint64_t frame, DescriptorRing& descriptors);
+    Result<void> recordConversions(VkCommandBuffer cmd, std::uint64_t frame, DescriptorRing& descriptors,
+                                   VkBuffer table);
     /// The command buffer recorded for `frame` will not be submitted: all of that is to be recorded again.
     void dropUploads(std::uint64_t frame);
 

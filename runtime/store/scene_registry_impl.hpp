@@ -1,7 +1,7 @@
 #pragma once
 // State of the SceneRegistry. Its functions are in scene_registry.cpp (instances, lights), scene_meshes.cpp (meshes,
-// uploads, what waits for the GPU), scene_buffers.cpp (meshes in the host's buffers) and scene_frame.cpp (what one
-// frame sees).
+// uploads, what waits for the GPU), scene_buffers.cpp (meshes in the host's buffers), scene_placements.cpp (transforms
+// there) and scene_frame.cpp (what one frame sees).
 #include <algorithm>
 #include <optional>
 
@@ -21,6 +21,11 @@ inline Error tooMany(const char* kind)
 {
     return {GN_ERROR_TOO_MANY, "TooManyHandles", std::string("more than 16777216 objects of kind ") + kind};
 }
+
+/// An instance as the host describes it, not yet in the registry.
+Result<InstancePtr> instanceRecordOf(const GnInstanceCreateInfo& info);
+/// The error with the element of an array at fault.
+Error atElement(std::size_t index, const char* array, Error error);
 
 /// The second half of a barrier: every read of vertices and indices, as such, as storage buffers or by builds.
 inline VkMemoryBarrier2 beforeMeshReads(const DeviceTable& vk)
@@ -106,6 +111,7 @@ struct SceneRegistry::Impl {
     void tell(const BufferMesh& mesh) const;
     void makeCopied(MeshCopy& copy) const noexcept;
     void reportWaitingCopies();
+    void retirePlacements();
 
     RevisionPtr* findMesh(GnMesh mesh) noexcept { return meshes.find(bitsOf(mesh)); }
     void adoptBuilt(std::vector<RevisionPtr>& released);
@@ -129,7 +135,8 @@ struct SceneRegistry::Impl {
     std::uint64_t insert(InstancePtr record) noexcept;
     void forgetDestroyed();
     void markChangedMeshes();
-    void markHostDrawn();
+    void markRestless();
+    void findPlacements();
     void makeRoomForFrame();
     bool refreshMarked();
     bool refresh(InstanceRecord& record);
@@ -148,14 +155,14 @@ struct SceneRegistry::Impl {
     mutable std::mutex mutex; ///< Guards what follows.
     SlotMap<RevisionPtr> meshes;
     SlotMap<InstancePtr> instances;
-    std::vector<InstancePtr> order;         ///< By creation; destroyed ones until the next frame.
-    std::vector<InstanceRecord*> hostDrawn; ///< Those of `order` that the host draws.
-    std::vector<InstanceRecord*> dirty;     ///< To be looked at by the next frame.
-    std::size_t destroyed = 0;              ///< In `order`.
-    bool castersLeft = false;               ///< One of those was in the frame's arrays.
-    bool meshesChanged = false;             ///< Since the last frame.
-    std::vector<RevisionPtr> building;      ///< Jobs submitted, or about to be.
-    std::size_t adoptAt = 0;                ///< As many of these are many.
+    std::vector<InstancePtr> order;        ///< By creation; destroyed ones until the next frame.
+    std::vector<InstanceRecord*> restless; ///< Those of `order` that the host draws, or the GPU places.
+    std::vector<InstanceRecord*> dirty;    ///< To be looked at by the next frame.
+    std::size_t destroyed = 0;             ///< In `order`.
+    bool castersLeft = false;              ///< One of those was in the frame's arrays.
+    bool meshesChanged = false;            ///< Since the last frame.
+    std::vector<RevisionPtr> building;     ///< Jobs submitted, or about to be.
+    std::size_t adoptAt = 0;               ///< As many of these are many.
     std::vector<MeshUpload> uploads;
     std::vector<RecordedUpload> recorded;
     std::vector<Grave> graves;
@@ -176,7 +183,8 @@ struct SceneRegistry::Impl {
     std::vector<InstanceRecord*> casting; ///< The frame's casters in order.
     std::vector<InstanceRecord*> changed; ///< Those with new content.
     CasterArrays arrays;
-    std::vector<InstancePtr> reports; ///< Static instances found moved; said when the mutex is free again.
+    std::vector<PlacementRun> placements; ///< Of the frame. Guarded by the mutex.
+    std::vector<InstancePtr> reports;     ///< Static instances found moved; said when the mutex is free again.
     // Freed when the mutex is free again; kept so that a steady frame allocates nothing.
     std::vector<RevisionPtr> releasedRevisions;
     std::vector<Grave> releasedGraves;

@@ -1,5 +1,5 @@
-// Push constants of the passes that read meshes out of the host's buffers. Words are of four bytes, counted from where
-// the buffer is bound.
+// Push constants of the passes that read meshes and transforms out of the host's buffers. Words are of four bytes,
+// counted from where the buffer is bound.
 #ifndef GNOMON_RUNTIME_MESH_READ_H
 #define GNOMON_RUNTIME_MESH_READ_H
 #include "../shared/types.h"
@@ -34,6 +34,19 @@ struct MeshIndicesRead {
     uint turned; // 1: the second and third corner change places
 };
 GN_SHARED_SIZE(MeshIndicesRead, 24)
+
+struct PlacementsRead {
+    vec4 shift; // xyz, added to translations
+    uint count;
+    uint firstElement; // of the array
+    uint firstIndex;   // in the table
+    uint firstWord;    // of element 0
+    uint strideWords;
+    uint mirrored; // 1: determinants are negative
+    uint padding0;
+    uint padding1;
+};
+GN_SHARED_SIZE(PlacementsRead, 48)
 
 GN_SHARED_END
 

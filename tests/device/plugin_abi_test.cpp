@@ -308,3 +308,18 @@ TEST_CASE_FIXTURE(DeviceTest, "a plug-in in C++ that says its version as the hea
     CHECK(std::string(host.decision(0).pMethod) == "lit");
     CHECK(lit(host.pictures()[0]) == host.pictures()[0].texels.size());
 }
+
+TEST_CASE_FIXTURE(DeviceTest, "traits that only built-in methods can have are refused by name")
+{
+    Host host(smallScene(), {.warmUp = false});
+    const auto refused = [&](GnTraits trait, const char* name) {
+        GnAlgorithmInfo info{};
+        info.pName = "boaster";
+        info.traits = GN_TRAIT_SPOT_BIT | trait;
+        info.pfnDeclare = &Caller::declare;
+        CHECK(gnRegisterAlgorithm(host.context, &info) == GN_ERROR_UNSUPPORTED);
+        CHECK(host.lastError().find(std::string("algorithm 'boaster': traits have ") + name) != std::string::npos);
+    };
+    refused(GN_TRAIT_DEVICE_RAYS_BIT, "GN_TRAIT_DEVICE_RAYS_BIT");
+    refused(GN_TRAIT_GPU_TRANSFORMS_BIT, "GN_TRAIT_GPU_TRANSFORMS_BIT");
+}

@@ -439,6 +439,8 @@ typedef enum GnTraitBits {
     GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Of topology it needs edges and faces alone: sees meshes in buffers that
                                          ///< are rewritten in every frame, once they have been copied in some pose.
     GN_TRAIT_RECTANGLE_BIT = 0x4000,     ///< Shows penumbrae of #GN_SOURCE_SHAPE_RECTANGLE as they are.
+    GN_TRAIT_GPU_TRANSFORMS_BIT = 0x8000, ///< Reads transforms on the GPU alone: sees instances that have theirs in a
+                                          ///< buffer (GnTransformBuffer). Of built-in methods alone.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF
 } GnTraitBits;
 /** Bits of #GnTraitBits. */
@@ -459,10 +461,10 @@ typedef struct GnMethodInfo {
     const char* pSource;      ///< Thesis section or paper.
     GnTraits traits;
     uint32_t roundTrips;      ///< GPU-CPU-GPU round trips on this device; 0 may be recorded by gnCmdRenderShadows().
-    VkBool32 ready;
-    const char* pUnavailable; ///< Null, or why no light can use it on this device ("needs geometryShader").
                               ///< What may trace on the CPU as well takes one for lights with casters that are
                               ///< alpha-tested by pfnOpacity.
+    VkBool32 ready;
+    const char* pUnavailable; ///< Null, or why no light can use it on this device ("needs geometryShader").
     uint32_t settingCount;
     const GnSettingInfo* pSettings;
 } GnMethodInfo;

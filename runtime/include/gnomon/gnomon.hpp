@@ -363,6 +363,18 @@ public:
         return done(gnCreateInstances(context_, &info, static_cast<uint32_t>(transforms.size()), transforms.data(),
                                       instances.data()));
     }
+    /** gnCreateInstances() of info.pTransformBuffer, which holds as many transforms as there are handles. */
+    Status createInstances(const GnInstanceCreateInfo& info, std::span<GnInstance> instances) const noexcept
+    {
+        return done(gnCreateInstances(context_, &info, static_cast<uint32_t>(instances.size()), nullptr,
+                                      instances.data()));
+    }
+    /** gnUpdateInstancesFromBuffer(). */
+    Status updateInstances(std::span<const GnInstance> instances, const GnTransformBuffer& transforms) const noexcept
+    {
+        return done(gnUpdateInstancesFromBuffer(context_, static_cast<uint32_t>(instances.size()), instances.data(),
+                                                &transforms));
+    }
     /** gnSetInstanceTransforms(). */
     Status setTransforms(std::span<const GnInstance> instances, std::span<const GnTransform> transforms) const noexcept
     {

@@ -153,6 +153,29 @@ indices 3 * triangle and the two after. The hit is at (1 - u - v), u and v of th
 from worker threads, concurrently. */
 typedef float(GN_CALL* PFN_gnOpacity)(uint32_t triangle, float u, float v, void* pUserData);
 
+/** Transforms of instances in a Vulkan buffer, where the GPU alone reads them: those of a crowd or of particles that
+compute shaders move. Methods with #GN_TRAIT_GPU_TRANSFORMS_BIT show such instances; others do not serve lights that
+have them in range.
+
+An element is twelve floats, three rows of (basis, translation), as VkTransformMatrixKHR. The buffer has
+VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, and belongs to the context's queue family or is shared with it. It is read at the
+start of every frame: commands that the host gave to the context's queue before that frame need no barrier towards it,
+nor do copies and compute passes that write the buffer after it. It must live until the instances are gone, or have
+another one, and the frames that read it are in GnFrameInfo::completedFrame. An element that is no transform (not
+finite, beyond 1e18, a basis without an inverse or with the wrong sign of its determinant) is reported once, by message,
+and its instance casts nothing. */
+typedef struct GnTransformBuffer {
+    uint32_t structSize GN_SIZE_OF(GnTransformBuffer); ///< sizeof(GnTransformBuffer).
+    uint32_t stride;                   ///< Bytes from one to the next, a multiple of 4, at least 48; 0 means 48.
+    VkBool32 mirrored;                 ///< All determinants are negative; else all are positive.
+    VkDescriptorBufferInfo transforms; ///< Required. Of the first instance on; VK_WHOLE_SIZE is no number.
+    double origin[3];                  ///< World position of the zero of translations and bounds, metres. Near the
+                                       ///< instances where these are far from the world's zero.
+    const float* pBounds;              ///< Required. Six floats an instance, lower and upper corner of a box along the
+                                       ///< world's axes that holds it until other bounds are given: what lies outside
+                                       ///< may be culled. Relative to `origin`, metres. Read during the call.
+} GnTransformBuffer;
+
 /** Describes an instance. The host is taken to draw what it registers; "Sides" above says which sides. */
 typedef struct GnInstanceCreateInfo {
     uint32_t structSize GN_SIZE_OF(GnInstanceCreateInfo); ///< sizeof(GnInstanceCreateInfo).
@@ -167,6 +190,8 @@ typedef struct GnInstanceCreateInfo {
                                       ///< mesh.
     void* pUserData;                  ///< For the two callbacks. What it points to must live until the frame that was
                                       ///< under way at gnDestroyInstance() is finished.
+    const GnTransformBuffer* pTransformBuffer; ///< Optional: the transform lies there, and `transform` is ignored. Of
+                                               ///< an instance with a mesh, which counts as moving in every frame.
 } GnInstanceCreateInfo;
 
 /** \brief Adds an instance. Any thread. */
@@ -175,7 +200,8 @@ GN_API GnResult GN_CALL gnCreateInstance(GnContext context, const GnInstanceCrea
 /** \brief Adds `count` instances that differ in their transforms alone: a forest. All of them, or on an error none.
 Any thread.
 \param pCreateInfo of each; its transform is ignored.
-\param pTransforms `count` of them. The message of an error says which one is at fault.
+\param pTransforms `count` of them; null if pCreateInfo->pTransformBuffer holds as many. The message of an error says
+    which one is at fault.
 \param pInstances `count` handles, as gnCreateInstance() gives them. */
 GN_API GnResult GN_CALL gnCreateInstances(GnContext context, const GnInstanceCreateInfo* pCreateInfo, uint32_t count,
                                           const GnTransform* pTransforms, GnInstance* pInstances);
@@ -184,6 +210,12 @@ message says which one) none moves. Any thread.
 \param pInstances, pTransforms `count` of each; instances in any order, from any call. */
 GN_API GnResult GN_CALL gnSetInstanceTransforms(GnContext context, uint32_t count, const GnInstance* pInstances,
                                                 const GnTransform* pTransforms);
+/** \brief New bounds, and if it is another one a new buffer, for instances that have their transforms in one. Seen from
+the next frame on, all of them by the same one; on an error none changes. Any thread.
+\param pInstances `count` of them, the first of which has the first element; in any order, from any call.
+\return #GN_ERROR_INVALID_HANDLE for an instance that was made with a transform. */
+GN_API GnResult GN_CALL gnUpdateInstancesFromBuffer(GnContext context, uint32_t count, const GnInstance* pInstances,
+                                                    const GnTransformBuffer* pTransformBuffer);
 /** \brief Moves it. Seen from the next frame on. Any thread. What is no transform
 (NaN, infinity, a basis without an inverse): an error, the old one stays. */
 GN_API GnResult GN_CALL gnSetInstanceTransform(GnContext context, GnInstance instance, const GnTransform* pTransform);
