@@ -199,8 +199,26 @@ Status ShadowHost::warmUp(const std::string& method)
 
 Status ShadowHost::loadRules(const std::string& text, const std::string& fileName, const std::string& preset)
 {
-    if (gnLoadRules(context_, text.data(), text.size(), fileName.c_str()) >= 0)
-        return preset.empty() ? Status(Done{}) : statusOf(gnSetPreset(context_, preset.c_str()));
+    const auto read = [this](const Rules& rules) {
+        return gnLoadRules(context_, rules.text.data(), rules.text.size(), rules.fileName.c_str()) >= 0;
+    };
+    const auto change = [this](const Rules& rules) {
+        return rules.preset.empty() || gnSetPreset(context_, rules.preset.c_str()) >= 0;
+    };
+    Rules rules{text, fileName, preset};
+    const bool isRead = read(rules);
+    if (isRead && change(rules)) {
+        rules_ = std::move(rules);
+        return Done{};
+    }
+    const Status failed = Status::failure(faults());
+    // The base without its preset is in force now: back to what was.
+    if (isRead && !rules_.text.empty()) (void)(read(rules_) && change(rules_)); // both went well before
+    return failed;
+}
+
+std::string ShadowHost::faults()
+{
     // Every diagnostic came as a message of its own; the last error alone would hide the others. It repeats one of
     // them.
     std::vector<std::string> said;
@@ -210,7 +228,7 @@ Status ShadowHost::loadRules(const std::string& text, const std::string& fileNam
         all += (all.empty() ? "" : "\n") + message;
         said.push_back(std::move(message));
     }
-    return Status::failure(all.empty() ? gnGetLastError(context_) : all);
+    return all.empty() ? gnGetLastError(context_) : all;
 }
 
 Status ShadowHost::loadKnowledge(const std::string& text, const std::string& fileName) const

@@ -46,7 +46,7 @@ public:
     /// The method is ready afterwards.
     Status warmUp(const std::string& method);
 
-    /// \param preset of the text; empty: none.
+    /// A text or a preset with errors leaves the last good ones in force. \param preset of the text; empty: none.
     Status loadRules(const std::string& text, const std::string& fileName, const std::string& preset = {});
     Status loadKnowledge(const std::string& text, const std::string& fileName) const;
     /// Empty hands the light back to the rules.
@@ -65,8 +65,12 @@ public:
     std::vector<std::string> takeMessages();
 
 private:
+    struct Rules {
+        std::string text, fileName, preset;
+    };
     static void GN_CALL onMessage(const GnMessage* message, void* user);
     Status statusOf(GnResult result) const;
+    std::string faults(); ///< What the last call, which failed, has said.
     void createInstances(const SceneGeometry& geometry);
     void createLights();
 
@@ -74,6 +78,7 @@ private:
     CasterDrawer casterDrawer_;
     std::mutex mutex_;
     std::vector<std::string> messages_;
+    Rules rules_;                            ///< In force; empty: none.
     std::vector<HostDrawnCaster> hostDrawn_; ///< One per instance; stable addresses for the callbacks.
     GnContext context_ = VK_NULL_HANDLE;
     std::vector<GnMesh> meshes_;

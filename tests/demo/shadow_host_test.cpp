@@ -163,4 +163,51 @@ TEST_CASE(
     checkSilence();
 }
 
+TEST_CASE("watched rules that lose their preset leave the preset in force, and say which is missing")
+{
+    namespace fs = std::filesystem;
+    using namespace std::chrono_literals;
+    const fs::path file = fs::temp_directory_path() / "gnomon_watched_preset.yaml";
+    const std::string base = R"(version: 1
+variables: {screenShare: {universe: [0, 1], terms: {all: [-.inf, -.inf, .inf, .inf]}}}
+rules: [{id: A, rule: if screenShare is all then shadow_map is favoured}]
+)";
+    const std::string preset = R"(presets:
+  exact: {rules: [{id: A, rule: if screenShare is all then ray_traced is favoured}]}
+)";
+    const std::string watched = file.string() + ":exact";
+    fs::remove(file);
+    std::ofstream(file) << base << preset;
+    const Scene scene = boxOnFloor();
+    Session session(testDevice(), scene, {});
+    expect(session.shadows.warmUp());
+    RuleWatch watch(watched);
+    const auto edit = [&](const std::string& text) {
+        const auto newer = fs::last_write_time(file) + 1s;
+        std::ofstream(file) << text;
+        fs::last_write_time(file, newer);
+        (void)watch.poll(session.shadows);
+        std::this_thread::sleep_for(510ms); // it looks twice a second
+    };
+    const auto serves = [&] {
+        for (uint32_t i = 0; i < 3; ++i)
+            drawFrame(session, {.shadows = &session.shadows});
+        GnDecision decision{};
+        REQUIRE(gnGetDecision(session.shadows.context(), session.shadows.view(0), session.shadows.light(0),
+                              &decision) >= 0);
+        return std::string(decision.pMethod);
+    };
+    edit(base + preset);
+    CHECK(serves() == "ray_traced");
+    edit(base);
+    CHECK(watch.fault().find("there is no preset 'exact'") != std::string::npos);
+    CHECK(serves() == "ray_traced"); // not what the base alone says
+    (void)session.shadows.takeMessages();
+    edit(base + preset);
+    CHECK(watch.fault().empty());
+    CHECK(serves() == "ray_traced");
+    fs::remove(file);
+    checkSilence();
+}
+
 } // namespace gnomon::demo
