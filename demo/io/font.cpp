@@ -1,12 +1,18 @@
 #include "demo/io/font.hpp"
 
+#include <algorithm>
+#include <map>
+
 namespace gnomon::demo {
 namespace {
 
-constexpr char kFirst = ' ';
+constexpr uint32_t kDotColumns = 5, kDotRows = 7;
+
+/// Rows from the top; bit 4 is the leftmost dot.
+using Dots = std::array<uint8_t, kDotRows>;
 
 // clang-format off
-constexpr std::array<Glyph, 95> kGlyphs = {{
+constexpr std::array<Dots, 95> kDots = {{
     {0x00, 0x00, 0x00, 0x00, 0x00, 0x00, 0x00}, // space
     {0x04, 0x04, 0x04, 0x04, 0x04, 0x00, 0x04}, // !
     {0x0a, 0x0a, 0x0a, 0x00, 0x00, 0x00, 0x00}, // "
@@ -105,14 +111,59 @@ constexpr std::array<Glyph, 95> kGlyphs = {{
 }};
 // clang-format on
 
-constexpr Glyph kUnknown = {0x1f, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1f};
+constexpr Dots kUnknownDots = {0x1f, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1f};
+
+Glyph glyphOf(const Dots& dots, uint32_t scale)
+{
+    Glyph glyph{.top = int32_t(kDotRows * scale),
+                .width = kDotColumns * scale,
+                .height = kDotRows * scale,
+                .advance = (kDotColumns + 1) * scale,
+                .coverage = {}};
+    for (uint32_t y = 0; y < glyph.height; ++y)
+        for (uint32_t x = 0; x < glyph.width; ++x)
+            glyph.coverage.push_back(dots[y / scale] >> (kDotColumns - 1 - x / scale) & 1 ? 255 : 0);
+    return glyph;
+}
 
 } // namespace
 
-const Glyph& glyphOf(char character) noexcept
+const Glyph& Font::operator[](char character) const noexcept
 {
-    const int index = character - kFirst;
-    return index >= 0 && index < int(kGlyphs.size()) ? kGlyphs[size_t(index)] : kUnknown;
+    const bool printable = character >= kFirst && character <= kLast;
+    return printable ? glyphs[size_t(character - kFirst)] : glyphs.back();
+}
+
+Font dotFont(uint32_t scale)
+{
+    Font font{.ascent = kDotRows * scale, .descent = 0, .lineAdvance = (kDotRows + 2) * scale, .glyphs = {}};
+    std::transform(kDots.begin(), kDots.end(), font.glyphs.begin(),
+                   [scale](const Dots& dots) { return glyphOf(dots, scale); });
+    font.glyphs.back() = glyphOf(kUnknownDots, scale);
+    return font;
+}
+
+#if !GNOMON_WITH_FREETYPE
+std::optional<Font> outlineFont(uint32_t)
+{
+    return std::nullopt;
+}
+
+const char* fontFile() noexcept
+{
+    return "";
+}
+#endif
+
+const Font& fontOf(uint32_t scale)
+{
+    static std::map<uint32_t, Font> fonts;
+    auto at = fonts.find(scale);
+    if (at == fonts.end()) {
+        std::optional<Font> font = outlineFont(scale);
+        at = fonts.emplace(scale, font ? std::move(*font) : dotFont(scale)).first;
+    }
+    return at->second;
 }
 
 } // namespace gnomon::demo

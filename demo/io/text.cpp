@@ -7,44 +7,52 @@
 namespace gnomon::demo {
 namespace {
 
-constexpr uint32_t kAdvance = kGlyphWidth + 1, kLineAdvance = kGlyphHeight + 2; // dots
+void drawGlyph(Image8& image, int32_t x, int32_t y, const Glyph& glyph, Rgb8 colour)
+{
+    for (uint32_t row = 0; row < glyph.height; ++row)
+        for (uint32_t column = 0; column < glyph.width; ++column)
+            if (const uint8_t coverage = glyph.coverage[row * glyph.width + column]; coverage > 0)
+                tint(image, {x + int32_t(column), y + int32_t(row), 1, 1}, colour, float(coverage) / 255.0f);
+}
 
 } // namespace
 
-TextSize measureText(std::string_view text, uint32_t scale) noexcept
+TextSize measureText(std::string_view text, uint32_t scale)
 {
-    uint32_t columns = 0, widest = 0, lines = 1;
+    const Font& font = fontOf(scale);
+    uint32_t pen = 0, widest = 0, lines = 1;
     for (const char c : text) {
-        columns = c == '\n' ? 0 : columns + 1;
-        lines += c == '\n';
-        widest = std::max(widest, columns);
+        if (c == '\n') {
+            pen = 0;
+            ++lines;
+            continue;
+        }
+        const Glyph& glyph = font[c];
+        widest = std::max(widest, pen + glyph.left + glyph.width);
+        pen += glyph.advance;
     }
-    if (widest == 0) return {0, (lines * kLineAdvance - 2) * scale};
-    return {(widest * kAdvance - 1) * scale, (lines * kLineAdvance - 2) * scale};
+    return {widest, (lines - 1) * font.lineAdvance + font.ascent + font.descent};
 }
 
 void drawText(Image8& image, int32_t x, int32_t y, std::string_view text, Rgb8 colour, uint32_t scale)
 {
-    const auto dot = static_cast<int32_t>(scale);
-    int32_t left = x, top = y;
+    const Font& font = fontOf(scale);
+    int32_t pen = x, baseline = y + int32_t(font.ascent);
     for (const char c : text) {
         if (c == '\n') {
-            left = x;
-            top += dot * int32_t(kLineAdvance);
+            pen = x;
+            baseline += int32_t(font.lineAdvance);
             continue;
         }
-        const Glyph& glyph = glyphOf(c);
-        for (int32_t row = 0; row < int32_t(kGlyphHeight); ++row)
-            for (int32_t column = 0; column < int32_t(kGlyphWidth); ++column)
-                if (glyph[size_t(row)] >> (kGlyphWidth - 1 - column) & 1)
-                    fill(image, {left + column * dot, top + row * dot, scale, scale}, colour);
-        left += dot * int32_t(kAdvance);
+        const Glyph& glyph = font[c];
+        drawGlyph(image, pen + int32_t(glyph.left), baseline - glyph.top, glyph, colour);
+        pen += int32_t(glyph.advance);
     }
 }
 
 void drawLabel(Image8& image, int32_t x, int32_t y, std::string_view text, Rgb8 ink, Rgb8 plate, uint32_t scale)
 {
-    const uint32_t margin = 2 * scale;
+    const uint32_t margin = kLabelMargin * scale;
     const TextSize size = measureText(text, scale);
     fill(image, {x, y, size.width + 2 * margin, size.height + 2 * margin}, plate);
     drawText(image, x + int32_t(margin), y + int32_t(margin), text, ink, scale);

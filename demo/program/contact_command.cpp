@@ -17,12 +17,21 @@ namespace {
 
 constexpr uint32_t kOverviewWidth = 256, kOverviewHeight = 144;
 constexpr uint32_t kCropSize = 144; // as high as the overview: 1:1 pixels
-constexpr uint32_t kGap = 4, kCaption = 12;
+constexpr uint32_t kGap = 4;
 constexpr uint32_t kMethodsPerRow = 3; // 1 684 pixels: a README page shows it near 1:1
 constexpr uint32_t kCellWidth = kOverviewWidth + 2 * (kCropSize + kGap) + 2 * kGap;
-constexpr uint32_t kCellHeight = kOverviewHeight + kCaption + 2 * kGap;
 constexpr Rgb8 kPaper{24, 24, 28}, kInk{235, 235, 235};
 constexpr Rgb8 kFalseLit{255, 40, 40}, kFalseShadow{60, 120, 255};
+
+/// Rows of a caption, and of a cell with its caption.
+uint32_t captionHeight()
+{
+    return measureText("X").height + kGap;
+}
+uint32_t cellHeight()
+{
+    return kOverviewHeight + captionHeight() + 2 * kGap;
+}
 
 struct MarkedFrame {
     ErrorCount errors;
@@ -65,7 +74,7 @@ void drawCell(Image8& sheet, int32_t x, int32_t y, const std::string& caption, c
               const MarkedFrame& frame)
 {
     drawText(sheet, x, y, caption, kInk);
-    const int32_t top = y + int32_t(kCaption);
+    const int32_t top = y + int32_t(captionHeight());
     blit(sheet, x, top, shrinkToFit(picture, kOverviewWidth, kOverviewHeight));
     const double scale = std::min(double(kOverviewWidth) / picture.width, double(kOverviewHeight) / picture.height);
     if (scale < 1.0)
@@ -121,7 +130,7 @@ int contactCommand(const ContactOptions& options)
             if (methods.empty()) throw HostError("none of the methods asked for is in this build");
             bandRows = (static_cast<uint32_t>(methods.size()) + kMethodsPerRow - 1) / kMethodsPerRow;
             sheet = Image8(kMethodsPerRow * kCellWidth + kGap,
-                           static_cast<uint32_t>(scenes.size()) * bandRows * kCellHeight + kGap, 3);
+                           static_cast<uint32_t>(scenes.size()) * bandRows * cellHeight() + kGap, 3);
             fill(sheet, {0, 0, sheet.width, sheet.height}, kPaper);
         }
         const VkExtent2D size =
@@ -133,7 +142,7 @@ int contactCommand(const ContactOptions& options)
                             ", which this build lacks");
         for (size_t column = 0; column < methods.size(); ++column) {
             const int32_t x = int32_t(column % kMethodsPerRow * kCellWidth + kGap);
-            const int32_t y = int32_t((row * bandRows + column / kMethodsPerRow) * kCellHeight + kGap);
+            const int32_t y = int32_t((row * bandRows + column / kMethodsPerRow) * cellHeight() + kGap);
             Session probe(*device, scene, {.scene = {}, .size = {16, 16}});
             const Scene served = onlyServed(scene, traitsOf(probe.shadows, methods[column]));
             std::string caption = scenes[row] + "  " + methods[column];

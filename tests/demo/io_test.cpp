@@ -9,11 +9,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <numeric>
 #include <set>
 
 using namespace gnomon::demo;
@@ -193,33 +193,87 @@ TEST_CASE("trimmed text keeps the blanks inside")
     CHECK(trimmed("").empty());
 }
 
-TEST_CASE("every printable character has its own picture, and drawing stays inside the measured box")
-{
-    std::set<Glyph> pictures;
-    for (char c = ' '; c <= '~'; ++c)
-        pictures.insert(glyphOf(c));
-    CHECK(pictures.size() == 95);
-    CHECK(pictures.count(glyphOf('\x01')) == 0);
-    CHECK(glyphOf('\x01') == glyphOf(char(200)));
+namespace {
 
-    const TextSize size = measureText("Ag|\n#", 2);
-    CHECK(size.width == 34);
-    CHECK(size.height == 32);
-    Image8 image(size.width + 2, size.height + 2, 3);
-    drawText(image, 1, 1, "Ag|\n#", {255, 0, 0}, 2);
-    uint64_t lit = 0;
-    for (uint32_t y = 0; y < image.height; ++y)
-        for (uint32_t x = 0; x < image.width; ++x) {
-            const bool set = image.at(x, y)[0] == 255;
-            lit += set;
-            if (x == 0 || y == 0 || x + 1 == image.width || y + 1 == image.height) CHECK_FALSE(set);
-        }
-    uint64_t dots = 0;
-    for (const char c : {'A', 'g', '|', '#'})
-        for (const uint8_t row : glyphOf(c))
-            dots += uint64_t(std::popcount(row));
-    CHECK(lit == dots * 4);
-    drawText(image, -100, 30, "outside both ways, clipped", {1, 2, 3}, 3); // must not write out of bounds
+uint64_t inkOf(const Glyph& glyph)
+{
+    return std::accumulate(glyph.coverage.begin(), glyph.coverage.end(), uint64_t{0});
+}
+
+/// Every printable character has a picture of its own, and the others share one.
+void checkGlyphs(const Font& font)
+{
+    std::set<std::vector<uint8_t>> pictures;
+    for (char c = ' '; c <= '~'; ++c) {
+        const Glyph& glyph = font[c];
+        CAPTURE(c);
+        CHECK(glyph.coverage.size() == size_t(glyph.width) * glyph.height);
+        CHECK((inkOf(glyph) > 0) == (c != ' '));
+        CHECK(glyph.advance > 0);
+        CHECK(glyph.top <= int32_t(font.ascent));
+        CHECK(int32_t(glyph.height) - glyph.top <= int32_t(font.descent));
+        std::vector<uint8_t> picture = glyph.coverage; // comma and quote differ in their place alone
+        picture.push_back(uint8_t(glyph.width));
+        picture.push_back(uint8_t(glyph.top));
+        pictures.insert(std::move(picture));
+    }
+    CHECK(pictures.size() == 95);
+    CHECK(font['\x01'].coverage == font[char(200)].coverage);
+    CHECK(inkOf(font['\x01']) > 0);
+}
+
+} // namespace
+
+TEST_CASE("both fonts have a picture for every printable character")
+{
+    checkGlyphs(dotFont(1));
+    checkGlyphs(dotFont(3));
+    const Font dots = dotFont(2);
+    CHECK(dots['A'].width == 10); // 5 x 7 dots of 2 pixels
+    CHECK(dots['A'].height == 14);
+    CHECK(inkOf(dots['|']) == 7 * 4 * 255);
+    for (const uint32_t scale : {1u, 2u, 5u}) {
+        const std::optional<Font> outlines = outlineFont(scale);
+        CHECK(outlines.has_value() == (*fontFile() != 0)); // where the build has found the file, it is there
+        if (!outlines) continue;
+        CAPTURE(scale);
+        checkGlyphs(*outlines);
+        // DejaVu Sans by its tables, in units of 1/2048 em: capitals are 1493 high, digits 1303 apart.
+        const double em = double(kEmPixels * scale);
+        CHECK(std::abs((*outlines)['H'].top - em * 1493.0 / 2048.0) < 1.5); // whole rows, by the hinter
+        for (char digit = '0'; digit <= '9'; ++digit)
+            CHECK(std::abs((*outlines)[digit].advance - em * 1303.0 / 2048.0) < 1.0);
+        size_t soft = 0;
+        for (const uint8_t coverage : (*outlines)['o'].coverage)
+            soft += coverage > 0 && coverage < 255;
+        CHECK(soft > 4); // a round edge is not made of whole pixels
+    }
+}
+
+TEST_CASE("text stays inside the box that it was measured to have, and touches each of its sides")
+{
+    for (const uint32_t scale : {1u, 2u}) {
+        CAPTURE(scale);
+        constexpr std::string_view text = "jAg|\n#(y";
+        const Font& font = fontOf(scale);
+        const TextSize size = measureText(text, scale);
+        CHECK(size.height == font.ascent + font.descent + font.lineAdvance);
+        Image8 image(size.width + 2, size.height + 2, 3);
+        drawText(image, 1, 1, text, {255, 0, 0}, scale);
+        uint64_t ink = 0, expected = 0, atRight = 0;
+        for (uint32_t y = 0; y < image.height; ++y)
+            for (uint32_t x = 0; x < image.width; ++x) {
+                const uint8_t red = image.at(x, y)[0];
+                ink += red;
+                atRight += x == size.width ? red : 0u;
+                if (x == 0 || y == 0 || x + 1 == image.width || y + 1 == image.height) CHECK(red == 0);
+            }
+        for (const char c : text)
+            if (c != '\n') expected += inkOf(font[c]);
+        CHECK(double(ink) == doctest::Approx(double(expected)).epsilon(0.01)); // tint() has 1/256 steps
+        CHECK(atRight > 0);
+        drawText(image, -100, 30, "outside both ways, clipped", {1, 2, 3}, 3); // must not write out of bounds
+    }
 }
 
 TEST_CASE("images are cropped, enlarged, shrunk and tinted pixel by pixel")
