@@ -33,6 +33,14 @@ vec3 encodeSrgb(vec3 linear)
     return mix(1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, c * 12.92, lessThanEqual(c, vec3(0.0031308)));
 }
 
+// A film's response with a toe and a shoulder: x^a / (b x^a + c). After T. Lottes, "Advanced Techniques and Optimization
+// of HDR Color Pipelines", GDC 2016, with d = 1. b and c send 0.5 to 0.42 and 8 to 1.
+vec3 film(vec3 linear)
+{
+    vec3 x = pow(max(linear, vec3(0.0)), vec3(1.3));
+    return x / (0.961 * x + 0.577);
+}
+
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -60,5 +68,5 @@ void main()
         }
     }
     vec3 albedo = instances[uint(normalAndInstance.w + 0.5)].albedo.rgb;
-    colour = vec4(encodeSrgb(1.0 - exp(-1.4 * albedo * light)), 1.0);
+    colour = vec4(encodeSrgb(film(albedo * light)), 1.0);
 }
