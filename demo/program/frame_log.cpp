@@ -76,7 +76,7 @@ void FrameLog::add(uint32_t frame, double timeSeconds, const SceneState& state, 
         GnDecision decision{};
         if (gnGetDecision(shadows.context(), shadows.view(0), shadows.light(light), &decision) < 0)
             continue; // no frame has seen this light yet
-        const std::string method = decision.pMethod ? decision.pMethod : "none";
+        const std::string method = decision.pMethod ? decision.pMethod : kNoMethod;
         lights_.cell(frame).cell(scene_.lights[light].name).cell(method).cell(double(decision.suitability), 4);
         lights_.cell(double(decision.predictedMs), 3).cell(double(decision.measuredMs), 3);
         lights_.cell(double(decision.viewerDistance), 3).cell(reasonText(decision));

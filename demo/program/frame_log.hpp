@@ -12,6 +12,8 @@
 
 namespace gnomon::demo {
 
+inline constexpr const char* kNoMethod = "none"; ///< In tables and logs: no method serves the light.
+
 class FrameLog {
 public:
     explicit FrameLog(const Scene& scene);

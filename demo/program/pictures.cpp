@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <numbers>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "demo/io/number.hpp"
@@ -52,6 +52,12 @@ size_t placeOf(std::string_view method) noexcept
     return algorithms.size() + hash % 1024u;
 }
 
+/// Letters of some 12 pixels in a picture 640 wide, and in proportion.
+uint32_t captionScale(const Image8& picture)
+{
+    return std::max(1u, picture.width / 640u);
+}
+
 } // namespace
 
 Rgb8 seriesColour(size_t place) noexcept
@@ -79,27 +85,42 @@ bool projectToPixel(const CameraMatrices& camera, VkExtent2D extent, const glm::
     return true;
 }
 
+void MethodCounts::take(const std::vector<FrameLog::LightLine>& lines)
+{
+    for (auto& [method, count] : lights_)
+        count = 0;
+    for (const FrameLog::LightLine& line : lines)
+        if (line.method != kNoMethod) ++lights_[line.method];
+}
+
 Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& state, const CameraMatrices& camera,
                  const std::vector<FrameLog::LightLine>& lines, std::string_view title)
 {
-    Image8 out = picture;
-    const uint32_t scale = std::max(1u, picture.width / 640u);
-    const auto lineHeight = static_cast<int32_t>(measureText("X", scale).height + 5 * scale);
+    const uint32_t scale = captionScale(picture);
+    const auto lineHeight = static_cast<int32_t>(measureText("X", scale).height + 3 * kLabelMargin * scale);
     int32_t y = static_cast<int32_t>(4 * scale);
     const auto x = y;
-    drawLabel(out, x, y, title, {255, 255, 255}, kInk, scale);
-    for (const FrameLog::LightLine& line : lines) {
-        y += lineHeight;
-        std::string text = line.light + ": " + line.method + "  ";
-        appendFixed(text, double(line.suitability), 2);
-        drawLabel(out, x, y, text, kInk, methodColour(line.method), scale);
-    }
+    const bool fits = int64_t(lines.size() + 1) * lineHeight + y <= int64_t(picture.height);
+    Image8 out = picture;
     for (size_t i = 0; i < state.present.size() && i < lines.size(); ++i) {
         const Light& light = scene.lights[state.present[i]];
         int32_t px = 0, py = 0;
         if (light.kind != LightKind::Directional &&
             projectToPixel(camera, {picture.width, picture.height}, state.lights[state.present[i]].position, px, py))
-            drawLabel(out, px, py, light.name, kInk, methodColour(lines[i].method), scale);
+            drawLabel(out, px, py, fits ? std::string_view(light.name) : " ", kInk, methodColour(lines[i].method),
+                      scale);
+    }
+    drawLabel(out, x, y, title, {255, 255, 255}, kInk, scale);
+    if (!fits) {
+        MethodCounts counts;
+        counts.take(lines);
+        return withLegend(out, counts);
+    }
+    for (const FrameLog::LightLine& line : lines) {
+        y += lineHeight;
+        std::string text = line.light + ": " + line.method + "  ";
+        appendFixed(text, double(line.suitability), 2);
+        drawLabel(out, x, y, text, kInk, methodColour(line.method), scale);
     }
     return out;
 }
@@ -109,24 +130,39 @@ glm::vec3 methodTint(std::string_view method, const Light& light) noexcept
     const auto brightness = [](const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
     const auto linear = [](uint8_t c) { return std::pow((float(c) / 255.0f + 0.055f) / 1.055f, 2.4f); };
     const Rgb8 colour = methodColour(method);
-    const glm::vec3 tint(linear(colour.r), linear(colour.g), linear(colour.b));
+    const glm::vec3 shade(linear(colour.r), linear(colour.g), linear(colour.b)), grey(brightness(shade));
+    // Of light colours a grey wall would show little: their chroma counts twice.
+    const glm::vec3 tint = glm::max(grey + 2.0f * (shade - grey), 0.0f);
     return tint * (brightness(light.colour * light.intensity) / brightness(tint));
 }
 
-Image8 withLegend(const Image8& picture, const std::vector<FrameLog::LightLine>& lines)
+Image8 withLegend(const Image8& picture, const MethodCounts& counts)
 {
-    std::map<std::string_view, uint32_t> lights;
-    for (const FrameLog::LightLine& line : lines)
-        ++lights[line.method];
-    Image8 out = picture;
-    constexpr int32_t kGap = 4;
-    int32_t x = kGap;
-    for (const auto& [method, count] : lights) {
-        const std::string text = std::string(method) + " " + std::to_string(count);
-        const TextSize size = measureText(text);
-        drawLabel(out, x, int32_t(picture.height - size.height) - 2 * kGap, text, kInk, methodColour(method));
-        x += int32_t(size.width) + 2 * kGap;
+    const uint32_t scale = captionScale(picture);
+    const auto gap = static_cast<int32_t>(2 * kLabelMargin * scale);
+    const auto plate = [scale](uint32_t letters) { return int32_t(letters + 2 * kLabelMargin * scale); };
+    struct Entry {
+        std::string text;
+        Rgb8 colour;
+        int32_t x, row;
+    };
+    std::vector<Entry> entries;
+    int32_t x = gap, row = 0;
+    for (const auto& [method, count] : counts.lights()) {
+        std::string text = method + "  " + std::to_string(count);
+        const int32_t width = plate(measureText(text, scale).width);
+        if (x > gap && x + width + gap > int32_t(picture.width)) {
+            x = gap;
+            ++row;
+        }
+        entries.push_back({std::move(text), methodColour(method), x, row});
+        x += width + gap;
     }
+    Image8 out = picture;
+    const int32_t rowHeight = plate(measureText("X", scale).height) + gap;
+    for (const Entry& entry : entries)
+        drawLabel(out, entry.x, int32_t(picture.height) - (row - entry.row + 1) * rowHeight, entry.text, kInk,
+                  entry.colour, scale);
     return out;
 }
 

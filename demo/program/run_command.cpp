@@ -34,10 +34,11 @@ public:
     {
     }
 
-    /// First, last, every quarter, and frames in which a method changed; of a film, every so many.
+    /// First, last, every quarter, and frames in which a method changed; of a film, every so many but the first, whose
+    /// lights have colours of their own.
     bool wants(uint32_t frame, bool switched)
     {
-        if (film_ > 0) return frame % film_ == 0;
+        if (film_ > 0) return frame > 0 && frame % film_ == 0;
         if (frame % std::max(1u, frames_ / 4) == 0 || frame + 1 == frames_) return true;
         return switched && switchPictures_++ < kMaxSwitchPictures;
     }
@@ -48,7 +49,8 @@ public:
         number.insert(0, 5 - std::min<size_t>(5, number.size()), '0');
         const Image8 picture = renderer.readColour();
         if (film_ > 0) {
-            expect(writePng(folder_ / ("frame_" + number + "_film.png"), withLegend(picture, log.newest())));
+            counts_.take(log.newest());
+            expect(writePng(folder_ / ("frame_" + number + "_film.png"), withLegend(picture, counts_)));
             return;
         }
         expect(writePng(folder_ / ("frame_" + number + ".png"), picture));
@@ -62,6 +64,7 @@ private:
     std::filesystem::path folder_;
     uint32_t frames_, film_;
     uint32_t switchPictures_ = 0;
+    MethodCounts counts_;
 };
 
 /// Returns what chooses, in words.

@@ -10,6 +10,7 @@
 #include "demo/io/csv.hpp"
 #include "demo/io/pfm.hpp"
 #include "demo/io/png.hpp"
+#include "demo/program/pictures.hpp"
 #include "demo/program/session.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -153,6 +154,36 @@ TEST_CASE("lights are told apart whatever their names: by why, in the files of a
     CHECK(escaped);
 }
 
+TEST_CASE("a film has a picture every so many frames but the first, in its methods' colours")
+{
+    const Folder folder("film"), plain("film_plain");
+    const std::string scene = "run torus_grid --method shadow_map --size 160x90 --frames 5 --out '";
+    REQUIRE(gnomonProgram(scene + folder.path.string() + "' --film 2").exitCode == 0);
+    REQUIRE(gnomonProgram(scene + plain.path.string() + "'").exitCode == 0);
+    std::set<std::string> pictures;
+    for (const auto& file : fs::directory_iterator(folder.path))
+        if (file.path().extension() == ".png") pictures.insert(file.path().filename().string());
+    CHECK(pictures == std::set<std::string>{"frame_00002_film.png", "frame_00004_film.png"});
+    const Outcome<Image8> film = readPng(folder.path / "frame_00004_film.png", 3),
+                          white = readPng(plain.path / "frame_00004.png", 3);
+    REQUIRE(film);
+    REQUIRE(white);
+    const Rgb8 colour = methodColour("shadow_map");
+    size_t legend = 0;
+    double ours[3] = {}, lamp[3] = {}; // mean of each channel above the legend
+    for (size_t i = 0; i < film->texels.size(); ++i) {
+        if (i % 3 == 0) legend += Rgb8{film->texels[i], film->texels[i + 1], film->texels[i + 2]} == colour;
+        if (i > film->texels.size() * 3 / 4) continue;
+        ours[i % 3] += film->texels[i];
+        lamp[i % 3] += white->texels[i];
+    }
+    CHECK(legend > 300);
+    const uint8_t channels[] = {colour.r, colour.g, colour.b};
+    const auto strongest = std::max_element(channels, channels + 3) - channels;
+    const auto weakest = std::min_element(channels, channels + 3) - channels;
+    CHECK(ours[strongest] / ours[weakest] > 1.1 * lamp[strongest] / lamp[weakest]);
+}
+
 TEST_CASE("a run that fails leaves nothing of an earlier one in its folders, and everything else")
 {
     const Folder folder("stale");
@@ -160,8 +191,9 @@ TEST_CASE("a run that fails leaves nothing of an earlier one in its folders, and
     fs::create_directories(out);
     fs::create_directories(dump);
     const auto write = [](const fs::path& file, const char* text = "x") { std::ofstream(file) << text; };
-    for (const char* name : {"frames.csv", "lights.csv", "decisions.gnlog", "rules.yaml", "frame_00003.png",
-                             "frame_123456_methods.png", "frame_mine.png", "frame_0003.png", "frame_00003_mine.png"})
+    for (const char* name :
+         {"frames.csv", "lights.csv", "decisions.gnlog", "rules.yaml", "frame_00003.png", "frame_123456_methods.png",
+          "frame_00004_film.png", "frame_mine.png", "frame_0003.png", "frame_00003_mine.png"})
         write(out / name);
     write(dump / "frame.json", "{\"visibility\": \"visibility_sun.png\"}");
     for (const char* name : {"depth.pfm", "visibility_sun.png", "visibility_mine.png"})
@@ -389,7 +421,7 @@ TEST_CASE("compare holds the rules against fixed choices, cold and warm, and wri
         CHECK_MESSAGE(ran.output.find(line) != std::string::npos, line);
     const std::vector<std::string> table = lines(csv);
     CHECK(table.at(0) == "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms,adaptive,equal_quality,"
-                           "near_wrong_pct,far_wrong_pct");
+                         "near_wrong_pct,far_wrong_pct");
     std::map<std::string, int> frames;
     for (const std::string& line : table) {
         std::vector<std::string> cells;

@@ -1,5 +1,6 @@
 // The colours that pictures and plots give to methods.
 #include <cmath>
+#include <map>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -66,7 +67,10 @@ TEST_CASE("a light in its method's colour is as bright as before, and a legend c
     CHECK(std::abs(tint.r / tint.g - other.r / other.g) > 0.1f);
 
     const Image8 picture(320, 90, 3);
-    const Image8 legend = withLegend(picture, {{"a", "shadow_map", 1.0f, false}, {"b", "ray_traced", 1.0f, false}});
+    MethodCounts methods;
+    methods.take({{"a", "shadow_map", 1.0f, false}, {"b", "ray_traced", 1.0f, false}, {"c", "none", 0.0f, false}});
+    CHECK(methods.lights() == std::map<std::string, uint32_t>{{"ray_traced", 1}, {"shadow_map", 1}});
+    const Image8 legend = withLegend(picture, methods);
     const auto counts = [&](uint32_t top, uint32_t bottom, std::string_view method) {
         const Rgb8 colour = methodColour(method);
         size_t found = 0;
@@ -76,8 +80,29 @@ TEST_CASE("a light in its method's colour is as bright as before, and a legend c
         return found;
     };
     for (const std::string_view method : {"shadow_map", "ray_traced"}) {
-        CHECK(counts(0, 70, method) == 0);
-        CHECK(counts(70, 90, method) > 300);
+        CHECK(counts(0, 66, method) == 0);
+        CHECK(counts(66, 90, method) > 300);
     }
     CHECK(counts(0, 90, "cube_map") == 0);
+    methods.take({{"a", "shadow_map", 1.0f, false}, {"b", "shadow_map", 1.0f, false}});
+    CHECK(methods.lights() == std::map<std::string, uint32_t>{{"ray_traced", 0}, {"shadow_map", 2}});
+}
+
+TEST_CASE("a legend that is wider than the picture takes more rows, and all of it is seen")
+{
+    std::vector<FrameLog::LightLine> lines;
+    const auto algorithms = gnomon::builtinRegistry().algorithms;
+    for (size_t i = 0; i < 8; ++i)
+        lines.push_back({"light", algorithms[i].entry->name, 1.0f, false});
+    MethodCounts methods;
+    methods.take(lines);
+    const Image8 legend = withLegend(Image8(320, 180, 3), methods);
+    for (const FrameLog::LightLine& line : lines) {
+        CAPTURE(line.method);
+        const Rgb8 colour = methodColour(line.method);
+        size_t found = 0;
+        for (size_t i = 0; i < legend.texels.size(); i += 3)
+            found += Rgb8{legend.texels[i], legend.texels[i + 1], legend.texels[i + 2]} == colour;
+        CHECK(found > 300); // a plate of its own
+    }
 }
