@@ -51,6 +51,14 @@ struct BenchOptions {
 };
 int benchCommand(const BenchOptions& options);
 
+struct PublishOptions {
+    std::vector<std::string> scenes; ///< Empty: all shipped ones.
+    std::vector<std::string> from;   ///< Tables of earlier calls, in place of measuring.
+    std::string methods, size = "320x180", out = "docs/comparison.md";
+    uint32_t repeat = 5;
+};
+int publishCommand(const PublishOptions& options);
+
 struct ContactOptions {
     std::vector<std::string> scenes;
     std::string methods, size, out = "contact.png";

@@ -103,6 +103,27 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->callback([&] { exitCode = benchCommand(options); });
 }
 
+void addPublish(CLI::App& app, PublishOptions& options, int& exitCode)
+{
+    CLI::App* publish =
+        app.add_subcommand("publish", "a page of every method by scene and kind of light: milliseconds, memory, error");
+    auto* scenes = publish->add_option("SCENE", options.scenes, "scenes; default: all shipped ones");
+    auto* methods = publish->add_option("--methods", options.methods, "a,b,... default: all");
+    auto* size = publish->add_option("--size", options.size, "picture size")->capture_default_str();
+    auto* repeat = publish->add_option("--repeat", options.repeat, "interleaved pairs of frames")
+                       ->check(CLI::Range(3, 10000))
+                       ->capture_default_str();
+    publish->add_option("--out", options.out, "the page; its table stands beside it, as .csv")->capture_default_str();
+    publish
+        ->add_option("--from", options.from,
+                     "a table of another `publish`, of another device, say, in place of measuring; may be repeated")
+        ->excludes(scenes)
+        ->excludes(methods)
+        ->excludes(size)
+        ->excludes(repeat);
+    publish->callback([&] { exitCode = publishCommand(options); });
+}
+
 void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
 {
     CLI::App* contact = app.add_subcommand("contact", "contact sheet: methods by scenes, with the largest errors");
@@ -236,12 +257,14 @@ int main(int argc, char** argv)
     int exitCode = 0;
     RunOptions run;
     BenchOptions bench;
+    PublishOptions publish;
     ContactOptions contact;
     std::string rules, facts;
     addRun(app, run, exitCode);
     WhyOptions why;
     addWhy(app, why, exitCode);
     addBench(app, bench, exitCode);
+    addPublish(app, publish, exitCode);
     addContact(app, contact, exitCode);
     CompareOptions compare;
     addCompare(app, compare, exitCode);

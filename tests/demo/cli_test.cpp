@@ -184,6 +184,56 @@ TEST_CASE("a film has a picture every so many frames but the first, in its metho
     CHECK(ours[strongest] / ours[weakest] > 1.1 * lamp[strongest] / lamp[weakest]);
 }
 
+TEST_CASE(
+    "publish measures each kind of light by itself and writes a page and its table, from which the page comes again")
+{
+    const Folder folder("publish");
+    const std::string out = " --out '" + (folder.path / "page.md").string() + "'";
+    const Ran ran = gnomonProgram("publish room torus_grid --methods shadow_map,ray_traced,cube_map --size 64x36 "
+                                  "--repeat 3" +
+                                  out);
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    std::map<std::string, std::string> wrong; // by scene, method and kind
+    for (const std::string& line : lines(folder.path / "page.csv")) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(line, cells));
+        REQUIRE(cells.size() == 30);
+        if (cells[0] == "scene") continue;
+        CHECK(cells[2] == "1"); // light
+        CHECK(cells[29].size() == 10);
+        wrong[cells[0] + " " + cells[1] + " " + cells[28]] = cells[12];
+    }
+    std::set<std::string> expected;
+    for (const char* scene : {"room", "torus_grid"}) {
+        const Scene loaded = valueOf(loadScene(scene));
+        for (const Light& light : loaded.lights)
+            for (const char* method : {"shadow_map", "ray_traced", "cube_map"}) {
+                const bool serves = method == std::string("ray_traced") ||
+                                    (light.kind == LightKind::Point) == (method == std::string("cube_map"));
+                if (serves) expected.insert(std::string(scene) + " " + method + " " + nameOf(light.kind));
+            }
+    }
+    for (const std::string& row : expected)
+        CHECK_MESSAGE(wrong.count(row) == 1, row);
+    CHECK(wrong.size() == expected.size());
+    CHECK(std::stod(wrong.at("room ray_traced spot")) == 0.0);
+    CHECK(std::stod(wrong.at("room shadow_map spot")) > 0.0);
+    const std::vector<std::string> page = lines(folder.path / "page.md");
+    CHECK(std::find(page.begin(), page.end(), "### spot") != page.end());
+    CHECK(std::any_of(page.begin(), page.end(), [](const std::string& line) {
+        return line.starts_with("| [`ray_traced`](../algorithms/hybrid/ray_traced.md) | ") &&
+               line.find(", 0.0000 %") != std::string::npos;
+    }));
+
+    const Ran again = gnomonProgram("publish --from '" + (folder.path / "page.csv").string() + "'" + out,
+                                    "GNOMON_DEVICE=none"); // a page needs no device
+    CHECK_MESSAGE(again.exitCode == 0, again.output);
+    const std::vector<std::string> second = lines(folder.path / "page.md");
+    CHECK(std::equal(page.rbegin(), page.rbegin() + 10, second.rbegin()));
+    CHECK(page.size() == second.size());
+}
+
 TEST_CASE("a run that fails leaves nothing of an earlier one in its folders, and everything else")
 {
     const Folder folder("stale");

@@ -1,4 +1,5 @@
 // The page of `gnomon report`: well-formed whatever a run's tables hold, small however long the run was.
+#include "demo/report/comparison.hpp"
 #include "demo/report/csv_reader.hpp"
 #include "demo/report/markup.hpp"
 #include "demo/report/page.hpp"
@@ -255,4 +256,49 @@ TEST_CASE("the Pareto front has what nothing else beats in both")
         {.rows = {{.scene = "a", .method = "x", .ms = 1.0, .error = 0.2, .soft = true}, {.scene = "a", .method = "y"}},
          .notes = {}});
     CHECK(countOf(both, "<svg") == 2); // an RMSE and a share of pixels do not stand on one axis
+}
+
+TEST_CASE("a comparison has a table for each place and kind of light, and marks what nothing beats in time and error")
+{
+    const Folder folder;
+    folder.write("a.csv", "scene,method,map,increment_ms_min,wrong_pct,memory_mib,device,driver,width,height,"
+                          "light_kind,date\n"
+                          "room,ray_traced,,9,0,2,gpu,7,64,36,spot,2026-01-02\n"
+                          "room,shadow_map,512,3,0.5,4,gpu,7,64,36,spot,2026-01-02\n"
+                          "room,pcf_hybrid,512,4,0.5,6,gpu,7,64,36,spot,2026-01-02\n" // slower, no better
+                          "room,plug-in,,5,,6,gpu,7,64,36,spot,2026-01-02\n"          // no truth
+                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,spot,2026-01-02\n"
+                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,point,2026-01-02\n"
+                          "room,broken,,,0,2,gpu,7,64,36,spot,2026-01-02\n"); // no time
+    folder.write("b.csv", "scene,method,map,increment_ms_min,wrong_pct,memory_mib,device,driver,width,height,"
+                          "light_kind,date\n"
+                          "room,ray_traced,,2,0,2,other,7,64,36,spot,2026-01-02\n"
+                          "room,ray_tr");
+    Compilation all;
+    REQUIRE(readCompilation(folder.path / "a.csv", all));
+    REQUIRE(readCompilation(folder.path / "b.csv", all));
+    CHECK(all.rows.size() == 7);
+    CHECK(all.notes.size() == 1); // the row that is cut off
+    CHECK_FALSE(readCompilation(folder.path / "frames.csv", all));
+
+    const std::string text = comparisonPage(all, "gnomon publish", {"a.csv", "b.csv"});
+    const auto count = [&](std::string_view words) {
+        size_t found = 0;
+        for (size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+            ++found;
+        return found;
+    };
+    CHECK(count("\n## gpu, 7, 64x36, 2026-01-02\n") == 1);
+    CHECK(count("\n## other, 7, 64x36, 2026-01-02\n") == 1);
+    CHECK(count("\n### spot\n") == 2);
+    CHECK(count("\n### point\n") == 1);
+    CHECK(count("\n| method | room | bunny |\n") == 1);
+    CHECK(count("| [`ray_traced`](../algorithms/hybrid/ray_traced.md) | **9.00 ms, 2.0 MiB, 0.0000 %** | "
+                "**1.00 ms, 2.0 MiB, 0.0000 %** |\n") == 1);
+    CHECK(count("| **3.00 ms, 4.0 MiB, 0.5000 %** | - |\n") == 1);
+    CHECK(count("| 4.00 ms, 6.0 MiB, 0.5000 % | - |\n") == 1);
+    CHECK(count("| `plug-in` | 5.00 ms, 6.0 MiB | - |\n") == 1);
+    CHECK(count("Bold in most scenes: `ray_traced` in 2, `shadow_map` in 1 of 2.") == 1);
+    CHECK(count("broken") == 0);
+    CHECK(count("[`a.csv`](a.csv), [`b.csv`](b.csv)") == 1);
 }
