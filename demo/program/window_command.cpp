@@ -94,7 +94,7 @@ public:
     {
         if (session_.scene.lights.empty()) return;
         if (key == GLFW_KEY_TAB)
-            light_ = (light_ + 1) % static_cast<uint32_t>(session_.scene.lights.size());
+            selectNext();
         else if (key == GLFW_KEY_Y)
             answer(GN_QUESTION_WHY);
         else if (key == GLFW_KEY_X)
@@ -107,6 +107,14 @@ public:
     uint32_t light() const { return light_; }
 
 private:
+    /// Of those that are there, in the order of the scene.
+    void selectNext()
+    {
+        const std::vector<uint32_t>& present = session_.renderer.state().present;
+        if (present.empty()) return;
+        const auto next = std::upper_bound(present.begin(), present.end(), light_);
+        light_ = next == present.end() ? present.front() : *next;
+    }
     static void show(const Status& status)
     {
         if (!status) std::fprintf(stderr, "%s\n", status.error().c_str());

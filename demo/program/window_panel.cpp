@@ -1,6 +1,7 @@
 #include "demo/program/window_panel.hpp"
 
 #include <algorithm>
+#include <fstream>
 #include <vector>
 
 #define GLFW_INCLUDE_NONE
@@ -9,6 +10,8 @@
 #include <gnomon/gnomon_imgui.h>
 #include <imgui_impl_glfw.h>
 #include <imgui_impl_vulkan.h>
+
+#include "demo/io/font.hpp"
 
 namespace gnomon::demo {
 
@@ -67,6 +70,22 @@ VkDescriptorPool makePool(const Device& device)
     return pool;
 }
 
+/// Letters and spaces in proportion to the display's scale.
+/// \return the scale: 1 at 96 dots an inch.
+float scaleTo(GLFWwindow* window)
+{
+    float scale = 1.0f, vertical = 1.0f;
+    glfwGetWindowContentScale(window, &scale, &vertical);
+    scale = std::clamp(scale, 1.0f, 4.0f); // a display that does not know its size may say anything
+    ImGui::GetStyle().ScaleAllSizes(scale);
+    ImFontConfig config;
+    config.SizePixels = 13.0f * scale; // of ImGui's own font, which was drawn for 13
+    ImFontAtlas& fonts = *ImGui::GetIO().Fonts;
+    if (const char* const file = fontFile(); !std::ifstream(file) || !fonts.AddFontFromFileTTF(file, 14.0f * scale))
+        fonts.AddFontDefault(&config);
+    return scale;
+}
+
 } // namespace
 
 struct WindowPanel::Parts {
@@ -78,6 +97,7 @@ struct WindowPanel::Parts {
     UniqueDescriptorPool pool;
     std::vector<UniqueFramebuffer> framebuffers; ///< A frame in flight each.
     uint64_t frame = 0;
+    float scale = 1.0f; ///< Of the display.
     ImguiPanel panel;
 };
 
@@ -90,6 +110,7 @@ WindowPanel::WindowPanel(Session& session, const Window& window, uint32_t frames
     parts_->framebuffers.resize(framesInFlight);
     ImGui::CreateContext();
     ImGui::GetIO().IniFilename = nullptr;
+    parts_->scale = scaleTo(window.handle());
     ImGui_ImplGlfw_InitForVulkan(window.handle(), true);
     ImGui_ImplVulkan_InitInfo info{};
     info.Instance = device.instance;
@@ -136,7 +157,10 @@ void WindowPanel::draw(VkCommandBuffer cmd, const Image& picture)
     ImGui_ImplVulkan_NewFrame();
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
-    ImGui::SetNextWindowSize(ImVec2(780, 330), ImGuiCond_FirstUseEver);
+    const ImVec2 whole = ImGui::GetIO().DisplaySize;
+    ImGui::SetNextWindowSize(
+        {std::min(840.0f * parts.scale, 0.92f * whole.x), std::min(340.0f * parts.scale, 0.8f * whole.y)},
+        ImGuiCond_FirstUseEver);
     std::vector<ImguiLight> lights;
     for (const uint32_t index : session.renderer.state().present)
         lights.push_back({session.shadows.light(index), session.scene.lights[index].name.c_str()});

@@ -13,11 +13,10 @@
 #include <sstream>
 #include <string>
 
-#include <sys/wait.h>
-
 #include "demo/host/window.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/session.hpp"
+#include "x_server.hpp"
 
 namespace {
 
@@ -128,14 +127,7 @@ TEST_CASE("no image is acquired with a semaphore that a frame in flight may stil
 
 int main(int argc, char** argv)
 {
-    if (!std::getenv("GNOMON_WINDOW_TEST")) { // once more, under a server
-        std::string command = "GNOMON_WINDOW_TEST=1 xvfb-run -a -s '-screen 0 1280x1024x24'";
-        for (int i = 0; i < argc; ++i)
-            command += std::string(" '") + argv[i] + "'";
-        const bool haveServer =
-            std::system("command -v xvfb-run >/dev/null 2>&1 && command -v xauth >/dev/null 2>&1") == 0;
-        return haveServer ? WEXITSTATUS(std::system(command.c_str())) : 77;
-    }
+    if (!gnomon::demo::serverPurpose()) return gnomon::demo::runUnderServer("1280x1024", "1", argc, argv);
     if (gnomon::demo::Device::nonePresent() || !gnomon::demo::Device::validationPresent()) return 77;
     return doctest::Context(argc, argv).run();
 }

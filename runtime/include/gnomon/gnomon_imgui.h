@@ -95,7 +95,8 @@ private:
         else
             std::snprintf(text, sizeof text, "all views: %.2f ms, no budget", double(newest));
         const float width = std::max(ImGui::GetContentRegionAvail().x, 1.0f);
-        ImGui::PlotLines("##times", times_.data(), int(times_.size()), 0, text, 0.0f, top, ImVec2(width, 64.0f));
+        ImGui::PlotLines("##times", times_.data(), int(times_.size()), 0, text, 0.0f, top,
+                         ImVec2(width, 5.0f * ImGui::GetFontSize()));
         if (stats.budgetMs > 0.0f) {
             const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
             const float y = high.y - (high.y - low.y) * stats.budgetMs / top;
