@@ -284,7 +284,7 @@ double FramePlan::fadeMs(const rules::RuleBase* base, std::uint32_t own, std::ui
 {
     if (!base || own >= methods_.size() || own == method) return 0.0;
     if (methods_[own].isExact() && methods_[method].isExact()) return 0.0;
-    return costs[own].steady.ms * double{base->policy.hysteresis.crossFadeFrames};
+    return costs[own].steady.ms * static_cast<double>(base->policy.hysteresis.crossFadeFrames);
 }
 
 /// Candidates and requests of the plan step, and the prediction of every decision.
