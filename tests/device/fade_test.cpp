@@ -10,6 +10,8 @@ using namespace gnomon::test;
 
 namespace {
 
+constexpr uint32_t kUntilMeasured = 6; ///< Frames, without pins, until it is known what lights reach.
+
 struct Pictures {
     std::vector<Image8> a, b;
 };
@@ -23,7 +25,7 @@ Pictures settle(Host& host, const char* a, const char* b, const FrameOptions& op
     CHECK(differences(out.a, out.b) > 50); // or a mix could not be told
     favour(host, a);
     host.pinAll(nullptr);
-    host.draw(2, options);
+    host.draw(kUntilMeasured, options); // what was chosen before does not fade
     CHECK(differences(host.pictures(), out.a) == 0);
     return out;
 }
@@ -130,7 +132,7 @@ TEST_CASE_FIXTURE(DeviceTest, "every frame of a fade shows the mix of both metho
     checkWholeFade(host, "shadow_map", "stencil_volume", {});
     checkWholeFade(host, "stencil_volume", "shadow_map", {.call = Call::record});
     checkWholeFade(host, "shadow_map", "tile_shafts", {}); // one round trip
-    checkWholeFade(host, "ray_traced", "shadow_map", {}); // one on its way out
+    checkWholeFade(host, "ray_traced", "shadow_map", {});  // one on its way out
     checkWholeFade(host, "shadow_map", "ray_traced", {});
 }
 
@@ -161,7 +163,7 @@ TEST_CASE_FIXTURE(DeviceTest, "several lights in several views fade at once, eac
         const std::vector<Image8> a = alone(host, "shadow_map", options, view);
         favour(host, "shadow_map");
         host.pinAll(nullptr);
-        host.draw(2, options);
+        host.draw(kUntilMeasured, options);
         favour(host, "stencil_volume");
         for (uint32_t step = 1; step <= kFadeFrames; ++step) {
             host.require(host.draw(options));
@@ -393,7 +395,8 @@ TEST_CASE_FIXTURE(DeviceTest,
         CHECK(stats.fading == 0); // it would be measured along
         // The one that serves may stay where another takes less, but not clearly.
         const GnCandidate serves = candidateOf(host, 0, host.decision(0).pMethod);
-        CHECK((0.999f - float(plan::kClearlyLess)) * (serves.sureMs + serves.sharedMs) <= cheapestOf(host, 0));
+        // Another one's first frame, which a candidate does not tell, counts with a sixtieth.
+        CHECK((0.95f - float(plan::kClearlyLess)) * (serves.sureMs + serves.sharedMs) <= cheapestOf(host, 0));
         took.push_back(stats.gpuMs + stats.cpuMs);
     }
     REQUIRE(frames > 32);

@@ -54,11 +54,15 @@ struct PassCounts {
     std::map<Key, int> perLight, perView, perTask;
 };
 
+/// Of lights without a surface: a method of penumbrae has nothing to ask more than once there.
 uint32_t largestRoundTrips(Host& host, const std::set<std::string>& used)
 {
     uint32_t trips = 0;
-    for (const GnMethodInfo& method : availableMethods(host.context))
-        if (used.contains(method.pName)) trips = std::max(trips, method.roundTrips);
+    for (const GnMethodInfo& method : availableMethods(host.context)) {
+        if (!used.contains(method.pName)) continue;
+        const bool soft = (method.traits & GN_TRAIT_SOFT_PENUMBRA_BIT) != 0;
+        trips = std::max(trips, soft ? std::min(method.roundTrips, 1u) : method.roundTrips);
+    }
     return trips;
 }
 
