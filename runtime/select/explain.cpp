@@ -12,19 +12,9 @@ namespace gnomon {
 
 namespace {
 
-std::string fixed(double value, int digits)
-{
-    return std::isnan(value) ? "unknown" : fixedText(value, digits);
-}
-
-std::string ms(double value)
-{
-    return fixed(value, value < 0.1 ? 4 : 2) + " ms";
-}
-
 std::string percent(double share)
 {
-    return fixed(100.0 * share, 1) + " %";
+    return knownText(100.0 * share, 1) + " %";
 }
 
 double suitabilityOf(const Candidate& candidate)
@@ -85,7 +75,7 @@ void addNumbers(const DecisionRecord& record, ExplanationLines& lines)
             text.append(" ")
                 .append(std::to_string(fired.rule + 1))
                 .append(" (strength ")
-                .append(fixed(double{fired.strength}, 2) + ")");
+                .append(knownText(double{fired.strength}, 2) + ")");
     lines.add(std::move(text));
 }
 
@@ -95,7 +85,7 @@ void addRulesBehind(const Rules& rules, std::uint32_t method, std::size_t most, 
     if (behind.empty()) lines.add("no rule that fires speaks of it");
     for (const std::uint32_t rule : std::span(behind).first(std::min(behind.size(), most))) {
         lines.add("  " + explainRuleFor(*rules.engine, rules.inference, rule, method) + " -> strength " +
-                  fixed(rules.inference.rules[rule].strength, 2) +
+                  knownText(rules.inference.rules[rule].strength, 2) +
                   yieldText(*rules.engine, rules.inference, rule, method));
         lines.add(because(*rules.engine, rule));
     }
@@ -121,53 +111,20 @@ std::string factsLine(const DecisionRecord& record, const Rules& rules)
     return text;
 }
 
-std::string costText(const Candidate& candidate)
-{
-    std::string text = ms(double{candidate.predictedMs});
-    if (candidate.sureMs > candidate.predictedMs)
-        text += " (not timed here: up to " + ms(double{candidate.sureMs}) + ")";
-    if (candidate.sharedMs > 0.0f) text += " and " + ms(double{candidate.sharedMs}) + " for its view";
-    return text;
-}
-
-/// Of a method that does not serve: with what the change takes, where that is no trifle.
-std::string changeCostText(const Candidate& candidate)
-{
-    std::string text = costText(candidate);
-    if (candidate.firstMs > candidate.predictedMs) text += " (the change " + ms(double{candidate.firstMs}) + " more)";
-    return text;
-}
-
-/// What GN_REASON_PRICE holds against a better suited method.
-std::string priceText(const Candidate& chosen, const Candidate& candidate)
-{
-    const bool showsLess = chosen.quality > candidate.quality + plan::kSameQuality;
-    return showsLess ? "shows less (quality " + fixed(double{candidate.quality}, 2) + " against " +
-                           fixed(double{chosen.quality}, 2) + ") and takes " + changeCostText(candidate)
-                     : "shows no more and takes " + changeCostText(candidate);
-}
-
-/// Where the "GPU" is the CPU, filling pixels takes the time that rays take elsewhere.
-std::string softwareText(std::uint32_t chosen, const ExplainWords& words)
-{
-    const bool rays = words.software && chosen < words.methods.size() && words.methods[chosen].rays;
-    return rays ? "; on a software device rays are the cheapest right answer here" : "";
-}
-
 std::string costLine(const DecisionRecord& record)
 {
     if (record.method >= record.methods) return {};
     const Candidate& chosen = record.candidates[record.method];
     std::string text = "cost: predicted " + costText(chosen);
     if (record.measuredMs > 0.0f) {
-        text += ", measured " + ms(double{record.measuredMs});
+        text += ", measured " + msText(double{record.measuredMs});
         if (chosen.predictedMs > 0.0f)
-            text +=
-                " (" + fixed(std::log2(double{record.measuredMs} / double{chosen.predictedMs}), 2) + " octaves off)";
+            text += " (" + knownText(std::log2(double{record.measuredMs} / double{chosen.predictedMs}), 2) +
+                    " octaves off)";
     } else {
         text += ", this frame was not timed";
     }
-    return text + "; quality " + fixed(double{chosen.quality}, 2);
+    return text + "; quality " + knownText(double{chosen.quality}, 2);
 }
 
 /// Of a light whose maps are smaller than its pixels could show.
@@ -201,12 +158,12 @@ std::string planLine(const DecisionRecord& record)
 {
     std::string text = replanText(record.replan);
     if (!record.budgeted) return text;
-    text = "plan of all lights: " + ms(double{record.planMs}) + " of " + ms(double{record.usableMs}) +
-           " usable (budget " + ms(double{record.budgetMs}) + "): " + text;
+    text = "plan of all lights: " + msText(double{record.planMs}) + " of " + msText(double{record.usableMs}) +
+           " usable (budget " + msText(double{record.budgetMs}) + "): " + text;
     if (record.leastMs > record.usableMs && record.replan != Replan::measuring)
-        text += "; nothing fits: the least possible is " + ms(double{record.leastMs});
+        text += "; nothing fits: the least possible is " + msText(double{record.leastMs});
     if (record.floor)
-        text += "; near floor holds, quality >= " + fixed(double{record.minimumQuality}, 2) +
+        text += "; near floor holds, quality >= " + knownText(double{record.minimumQuality}, 2) +
                 (record.floorUnmet ? ", but nothing reaches it" : "");
     return text;
 }
@@ -228,22 +185,23 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
     const bool served = record.method < record.methods; // else the plan's choice could not be made after all
     switch (served ? wanted.why : plan::Why::chosen) {
     case plan::Why::budget:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but needs " + changeCostText(wanted);
+        return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but needs " +
+               changeCostText(wanted);
     case plan::Why::hysteresis:
         return name + " would be better, but is held: " + holdText(record.hold) + "; " +
                gainText(record, record.wanted);
     case plan::Why::floor:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but its quality " +
-               fixed(double{wanted.quality}, 2) + " is below the near floor";
+        return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but its quality " +
+               knownText(double{wanted.quality}, 2) + " is below the near floor";
     case plan::Why::price:
-        return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but " +
+        return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but " +
                priceText(record.candidates[record.method], wanted) + softwareText(record.method, words);
     case plan::Why::outscored:
         if (record.budgeted)
-            return name + " suits better (" + fixed(suitabilityOf(wanted), 2) + "), but with its quality " +
-                   fixed(double{wanted.quality}, 2) + " is worth " +
-                   fixed(utilityOf(record, record.candidates, record.wanted), 3) + " against " +
-                   fixed(utilityOf(record, record.candidates, record.method), 3);
+            return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but with its quality " +
+                   knownText(double{wanted.quality}, 2) + " is worth " +
+                   knownText(utilityOf(record, record.candidates, record.wanted), 3) + " against " +
+                   knownText(utilityOf(record, record.candidates, record.method), 3);
         break;
     default:
         break;
@@ -272,7 +230,8 @@ std::string runnerUpLine(const DecisionRecord& record, const ExplainWords& words
     }
     if (best == UINT32_MAX || !rules.engine) return {};
     return "next: " + std::string(methodText(best, words.methods)) + ", suitability " +
-           fixed(suitabilityOf(record.candidates[best]), 2) + "; " + reasonFor(*rules.engine, rules.inference, best);
+           knownText(suitabilityOf(record.candidates[best]), 2) + "; " +
+           reasonFor(*rules.engine, rules.inference, best);
 }
 
 std::string eliminatedLine(const DecisionRecord& record, const ExplainWords& words)
@@ -295,7 +254,7 @@ std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
     ExplanationLines lines;
     lines.add(headline(record, words));
     if (record.method < record.methods && record.candidates[record.method].quantised >= 0 && rules.engine)
-        lines.add("suitability " + fixed(suitabilityOf(record.candidates[record.method]), 2) + " by:");
+        lines.add("suitability " + knownText(suitabilityOf(record.candidates[record.method]), 2) + " by:");
     if (!rules.engine)
         addNumbers(record, lines);
     else if (record.method < record.methods)
@@ -318,9 +277,9 @@ namespace {
 void addFloor(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
 {
     const bool heldOn = record.floorTruth < record.floorStrength;
-    lines.add("near floor: its quality " + fixed(double{candidate.quality}, 2) + " is below " +
-              fixed(double{record.minimumQuality}, 2) + "; the floor holds because its condition is " +
-              fixed(double{record.floorTruth}, 2) + " true, and " + fixed(double{record.floorStrength}, 2) +
+    lines.add("near floor: its quality " + knownText(double{candidate.quality}, 2) + " is below " +
+              knownText(double{record.minimumQuality}, 2) + "; the floor holds because its condition is " +
+              knownText(double{record.floorTruth}, 2) + " true, and " + knownText(double{record.floorStrength}, 2) +
               (heldOn ? " is enough and was reached a moment ago" : " is enough"));
 }
 
@@ -329,21 +288,22 @@ void addBudget(const DecisionRecord& record, const Candidate& candidate, Explana
     const Candidate* const own = record.method < record.methods ? &record.candidates[record.method] : nullptr;
     const double spent = own ? double{own->predictedMs} + double{own->sharedMs} : 0.0;
     const double room = double{record.usableMs} - double{record.planMs} + spent;
-    lines.add("budget: it needs " + costText(candidate) + ", and the other lights leave " + ms(std::max(room, 0.0)) +
-              " of " + ms(double{record.usableMs}) + " usable (budget " + ms(double{record.budgetMs}) + ")");
+    lines.add("budget: it needs " + costText(candidate) + ", and the other lights leave " +
+              msText(std::max(room, 0.0)) + " of " + msText(double{record.usableMs}) + " usable (budget " +
+              msText(double{record.budgetMs}) + ")");
 }
 
 void addOutscored(const DecisionRecord& record, std::uint32_t method, ExplanationLines& lines)
 {
     if (record.method >= record.methods) return;
     const Candidate &candidate = record.candidates[method], &chosen = record.candidates[record.method];
-    std::string text =
-        "outscored: suitability " + fixed(suitabilityOf(candidate), 2) + " against " + fixed(suitabilityOf(chosen), 2);
+    std::string text = "outscored: suitability " + knownText(suitabilityOf(candidate), 2) + " against " +
+                       knownText(suitabilityOf(chosen), 2);
     if (candidate.quantised < 0) text = "outscored: no rule has an opinion of any method";
     if (record.budgeted)
         text += "; worth (importance x suitability of what shows as much x quality) " +
-                fixed(utilityOf(record, record.candidates, method), 3) + " against " +
-                fixed(utilityOf(record, record.candidates, record.method), 3);
+                knownText(utilityOf(record, record.candidates, method), 3) + " against " +
+                knownText(utilityOf(record, record.candidates, record.method), 3);
     if (record.budgeted || record.priced)
         text += "; takes " + changeCostText(candidate) + " against " + costText(chosen);
     lines.add(std::move(text));
@@ -367,7 +327,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
         return lines.add(std::string("held: ") + holdText(record.hold) + "; " + gainText(record, method));
     case plan::Why::price:
         if (record.method >= record.methods) return; // the plan's choice could not be made after all
-        return lines.add("it suits better (" + fixed(suitabilityOf(candidate), 2) + "), but " +
+        return lines.add("it suits better (" + knownText(suitabilityOf(candidate), 2) + "), but " +
                          priceText(record.candidates[record.method], candidate));
     case plan::Why::noOpinion:
         return lines.add("no rule that fires speaks of it, and rules speak of others");
@@ -435,7 +395,7 @@ std::string passedOverText(const LightDecision& decision, const Candidate& candi
     case plan::Why::pinned:
         return "the host pinned another one";
     case plan::Why::floor:
-        return "its quality " + fixed(double{candidate.quality}, 2) + " is below the near floor";
+        return "its quality " + knownText(double{candidate.quality}, 2) + " is below the near floor";
     case plan::Why::budget:
         return "does not fit the budget: needs " + changeCostText(candidate);
     case plan::Why::hysteresis:
@@ -468,13 +428,13 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
     if (decision.switched && decision.incumbent != UINT32_MAX)
         text += "before: " + methods_[decision.incumbent].name + "\n";
     if (decision.outgoing != UINT32_MAX)
-        text +=
-            "fade: " + fixed(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name + "'s\n";
+        text += "fade: " + knownText(double{decision.fade}, 2) + ", the rest is " + methods_[decision.outgoing].name +
+                "'s\n";
     if (decision.probed != UINT32_MAX) text += "probe: " + methods_[decision.probed].name + " is measured, not shown\n";
     if (decision.noFade) text += "no fade: " + std::string(decision.noFade) + "\n";
     text += "facts:";
     for (std::size_t i = 0; i < kFactCount; ++i)
-        text += (i ? ", " : " ") + std::string(kFactNames[i].name) + " " + fixed(decision.facts[i], 2);
+        text += (i ? ", " : " ") + std::string(kFactNames[i].name) + " " + knownText(decision.facts[i], 2);
     text += decision.distanceMeasured ? "\n" : " (viewerDistance: lower bound)\n";
     if (engine) {
         rules::Inference inference = engine->makeInference();
@@ -492,7 +452,7 @@ std::string Selector::explain(const LightDecision& decision, const rules::Engine
         const Candidate& candidate = decision.candidates[i];
         const char* unavailable = methods_[i].unavailable;
         if (i == decision.method)
-            text += "chosen, " + fixed(decision.predictedMs, 2) + " ms";
+            text += "chosen, " + knownText(decision.predictedMs, 2) + " ms";
         else if (candidate.exclusion != Exclusion::none)
             text += "out, " + exclusionText(candidate, unavailable ? unavailable : "", engine);
         else

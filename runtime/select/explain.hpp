@@ -55,6 +55,18 @@ const char* holdText(plan::Hold hold);
 const char* replanText(Replan replan);
 /// "12.40 m"; "unknown" for NaN.
 std::string factText(Fact fact, double value);
+/// "unknown" for NaN.
+std::string knownText(double value, int digits);
+/// "1.20 ms", below a tenth with four digits.
+std::string msText(double value);
+/// Predicted, and what is not sure of it: "1.20 ms (not timed here: up to 2.00 ms)".
+std::string costText(const Candidate& candidate);
+/// Of a method that does not serve: with what the change takes, where that is no trifle.
+std::string changeCostText(const Candidate& candidate);
+/// What GN_REASON_PRICE holds against a better suited method.
+std::string priceText(const Candidate& chosen, const Candidate& candidate);
+/// Empty but where the device is the CPU and the method traces rays.
+std::string softwareText(std::uint32_t chosen, const ExplainWords& words);
 /// Its name, or "none".
 std::string_view methodText(std::uint32_t method, std::span<const MethodWords> methods);
 

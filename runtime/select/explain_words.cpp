@@ -165,4 +165,46 @@ void ExplanationLines::add(std::string line)
     ++count_;
 }
 
+std::string knownText(double value, int digits)
+{
+    return std::isnan(value) ? "unknown" : fixedText(value, digits);
+}
+
+std::string msText(double value)
+{
+    return knownText(value, value < 0.1 ? 4 : 2) + " ms";
+}
+
+std::string costText(const Candidate& candidate)
+{
+    std::string text = msText(double{candidate.predictedMs});
+    if (candidate.sureMs > candidate.predictedMs)
+        text += " (not timed here: up to " + msText(double{candidate.sureMs}) + ")";
+    if (candidate.sharedMs > 0.0f) text += " and " + msText(double{candidate.sharedMs}) + " for its view";
+    return text;
+}
+
+std::string changeCostText(const Candidate& candidate)
+{
+    std::string text = costText(candidate);
+    if (candidate.firstMs > candidate.predictedMs)
+        text += " (the change " + msText(double{candidate.firstMs}) + " more)";
+    return text;
+}
+
+std::string priceText(const Candidate& chosen, const Candidate& candidate)
+{
+    const bool showsLess = chosen.quality > candidate.quality + plan::kSameQuality;
+    return showsLess ? "shows less (quality " + knownText(double{candidate.quality}, 2) + " against " +
+                           knownText(double{chosen.quality}, 2) + ") and takes " + changeCostText(candidate)
+                     : "shows no more and takes " + changeCostText(candidate);
+}
+
+/// Where the "GPU" is the CPU, filling pixels takes the time that rays take elsewhere.
+std::string softwareText(std::uint32_t chosen, const ExplainWords& words)
+{
+    const bool rays = words.software && chosen < words.methods.size() && words.methods[chosen].rays;
+    return rays ? "; on a software device rays are the cheapest right answer here" : "";
+}
+
 } // namespace gnomon
