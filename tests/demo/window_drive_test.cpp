@@ -261,8 +261,8 @@ TEST_CASE("the window shows the scene and a readable panel, and does what keys a
     CHECK(title().find("[spot1: " + method + "]") == std::string::npos);
     if (scale == 1) {
         const uint32_t side = 20; // of a combo box: letters of 14 and ImGui's 3 above and below
-        const std::optional<Rect> arrow = firstButton(shown(), side);
-        REQUIRE(arrow);
+        std::optional<Rect> arrow; // once a frame has lights
+        REQUIRE(eventually([&] { return (arrow = firstButton(shown(), side)).has_value(); }));
         const auto click = [&](int32_t x, int32_t y) {
             xdotool("mousemove --sync " + std::to_string(x) + " " + std::to_string(y) +
                     " sleep 0.5 mousedown 1 sleep 0.5 mouseup 1 sleep 1");
