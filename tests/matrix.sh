@@ -1,8 +1,10 @@
 #!/usr/bin/env bash
 # What takes too long for every push: both compilers with warnings as errors, the sanitizers, the smallest build,
-# clang-tidy over the sources, the reference of the API. Names as arguments select rows: tests/matrix.sh clang tsan. The
-# row `fuzz` searches ten minutes per reader; YAML_CPP_SOURCES may name an unpacked source of yaml-cpp, to count coverage
-# inside it too.
+# clang-tidy over the sources, the reference of the API. Names as arguments select rows: tests/matrix.sh clang tsan.
+# Compilers and sanitizers run the unit tests and `core`, which draws every method's passes: tests/run.sh has run the
+# others, and a sanitizer takes three to eight times as long. MATRIX_LABELS=. runs all tests in all rows (a day on two
+# cores); another expression runs what bears a label that it matches. The row `fuzz` searches ten minutes per reader;
+# YAML_CPP_SOURCES may name an unpacked source of yaml-cpp, to count coverage inside it too.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 source "$root/cmake/setup.sh"
@@ -21,7 +23,11 @@ show_log() {
 build_target() { cmake --build "$build" "$@" -- -j"$(nproc)" >"$build/build.log" 2>&1 || show_log "$build/build.log"; }
 
 # The step of most rows, and those of `tidy` and `docs`. Each prints what went wrong.
-build_and_test() { build_target && ctest --test-dir "$build" --output-on-failure --no-tests=error; }
+# `labels` is the row's.
+build_and_test() {
+    build_target && ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel 2 \
+        -L "${MATRIX_LABELS:-$labels}"
+}
 build_docs() { build_target --target docs; }
 # Every source of the library and the programs that is compiled here. The build makes the headers of the shaders.
 check_sources() {
@@ -34,21 +40,21 @@ check_sources() {
         xargs -0 -n 1 -P "$(nproc)" clang-tidy --quiet -p "$build"
 }
 
-# name | preset | further cmake arguments | step
+# name | preset | further cmake arguments | step | labels of the tests
 rows=(
-    "gcc|dev|-DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++|build_and_test"
-    "clang|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|build_and_test"
-    "asan|asan||build_and_test"
-    "tsan|tsan||build_and_test"
-    "minimum|minimum||build_and_test"
-    "fuzz|fuzz|-DGNOMON_FUZZ_YAML_CPP=${YAML_CPP_SOURCES:-}|build_and_test"
-    "tidy|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|check_sources"
-    "docs|minimum||build_docs"
+    "gcc|dev|-DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++|build_and_test|^(unit|core)$"
+    "clang|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|build_and_test|^(unit|core)$"
+    "asan|asan||build_and_test|^(unit|core)$"
+    "tsan|tsan||build_and_test|^(unit|threads)$"
+    "minimum|minimum||build_and_test|."
+    "fuzz|fuzz|-DGNOMON_FUZZ_YAML_CPP=${YAML_CPP_SOURCES:-}|build_and_test|."
+    "tidy|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|check_sources|"
+    "docs|minimum||build_docs|"
 )
 failed=0
 report=()
 for row in "${rows[@]}"; do
-    IFS='|' read -r name preset arguments step <<<"$row"
+    IFS='|' read -r name preset arguments step labels <<<"$row"
     if [ $# -gt 0 ] && [[ " $* " != *" $name "* ]]; then continue; fi
     use_build "matrix-$name"
     say "$name"

@@ -87,9 +87,8 @@ std::string errorSection(const Benched& benched)
     std::string out;
     for (const auto& [scene, soft] : charts) {
         std::vector<Benched::Row> rows;
-        std::copy_if(benched.rows.begin(), benched.rows.end(), std::back_inserter(rows), [&](const Benched::Row& row) {
-            return row.scene == scene && row.soft == soft && row.method != "none";
-        });
+        for (const Benched::Row& row : benched.rows)
+            if (row.scene == scene && row.soft == soft && row.method != "none") rows.push_back(row);
         out += "<h3>" + escaped(scene) + (soft ? ", soft lights" : "") + ", on " + escaped(rows.front().device) +
                "</h3>" + scatter(rows);
     }

@@ -1,6 +1,8 @@
 // Methods of one algorithm that differ in one setting are two methods: while one fades into the other, both are drawn
 // in one frame, and neither may find what the other made with its own setting.
 #include <algorithm>
+#include <map>
+#include <memory>
 #include <vector>
 
 #include "device/fade_support.hpp"
@@ -59,14 +61,14 @@ void checkMixed(Host& host, const char* a, const char* b)
     }
 }
 
-/// Of one method and one kind of light: how many pairs of settings were tried.
-uint32_t checkMethod(const GnMethodInfo& method, demo::LightKind kind)
+/// Of one method: how many pairs of settings were tried.
+uint32_t checkMethod(Host& host, const GnMethodInfo& method)
 {
-    Host host(lightOf(kind));
-    const char* const names[] = {method.pName, "other"};
-    host.require(gnAddMethod(host.context, "other", method.pName));
+    const std::string other = std::string("other_") + method.pName;
+    const char* const names[] = {method.pName, other.c_str()};
+    host.require(gnAddMethod(host.context, other.c_str(), method.pName));
     host.fixMapSides();
-    const std::vector<GnSettingInfo> settings = settingsOf(host.context, "other");
+    const std::vector<GnSettingInfo> settings = settingsOf(host.context, other);
     const auto mode = std::ranges::find_if(settings, [](auto& s) { return s.pName == std::string("mode"); });
     uint32_t pairs = 0;
     for (const bool lastMode : {false, true}) {
@@ -78,10 +80,10 @@ uint32_t checkMethod(const GnMethodInfo& method, demo::LightKind kind)
             const double value = otherOf(setting);
             CAPTURE(std::string(method.pName) + (lastMode ? ", last mode, " : ", ") + setting.pName + " = " +
                     std::to_string(value));
-            host.require(gnSetMethodSetting(host.context, "other", setting.pName, value));
+            host.require(gnSetMethodSetting(host.context, names[1], setting.pName, value));
             checkMixed(host, names[0], names[1]);
             ++pairs;
-            host.require(gnSetMethodSetting(host.context, "other", setting.pName, setting.value));
+            host.require(gnSetMethodSetting(host.context, names[1], setting.pName, setting.value));
         }
     }
     return pairs;
@@ -91,13 +93,15 @@ uint32_t checkMethod(const GnMethodInfo& method, demo::LightKind kind)
 
 TEST_CASE_FIXTURE(DeviceTest, "any two settings of a method fade into each other as two methods do")
 {
-    const Host asked(lightOf(demo::LightKind::Point));
+    std::map<demo::LightKind, std::unique_ptr<Host>> hosts;
+    for (const auto kind : {demo::LightKind::Spot, demo::LightKind::Point, demo::LightKind::Directional})
+        hosts[kind] = std::make_unique<Host>(lightOf(kind), HostOptions{.extent = {160, 90}});
     uint32_t pairs = 0;
-    for (const GnMethodInfo& method : availableMethods(asked.context)) {
+    for (const GnMethodInfo& method : availableMethods(hosts.begin()->second->context)) {
         demo::LightKind kind = demo::LightKind::Directional;
         for (const demo::LightKind served : {demo::LightKind::Spot, demo::LightKind::Point})
             if (serves(method, served)) kind = served;
-        pairs += checkMethod(method, kind);
+        pairs += checkMethod(*hosts[kind], method);
     }
     CHECK(pairs > 80);
 }

@@ -29,6 +29,7 @@ inline void favour(Host& host, const char* method, uint32_t frames = kFadeFrames
                              " is favoured}]\n"
                              "policy: {hysteresis: {crossFadeFrames: " +
                              std::to_string(frames) + "}" + policy + "}\n";
+    host.warm(method);
     host.require(gnLoadRules(host.context, text.data(), text.size(), method));
 }
 

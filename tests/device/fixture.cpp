@@ -226,6 +226,12 @@ void Host::pin(size_t light, const char* method)
     if (warmUp_ && warm_.insert(method).second) require(gnWarmUpMethod(context, method));
 }
 
+void Host::warm(const char* method)
+{
+    warmsByName_ = true;
+    if (warmUp_ && warm_.insert(method).second) require(gnWarmUpMethod(context, method));
+}
+
 void Host::renewLights()
 {
     pinned_.clear();
@@ -236,10 +242,17 @@ void Host::renewLights()
     }
 }
 
+void Host::beginAnew(const Scene& from, const char* method)
+{
+    if (&from != &scene) scene = from;
+    renewLights();
+    pinAll(method);
+}
+
 /// A frame with lights that no method is pinned to may ask for any.
 void Host::warmUpFor(const std::vector<GnLight>& lit)
 {
-    if (!warmUp_ || allWarm_) return;
+    if (!warmUp_ || allWarm_ || warmsByName_) return;
     allWarm_ = lit.empty() || !std::ranges::all_of(lit, [&](GnLight light) { return pinned_.contains(light); });
     if (allWarm_) require(gnWarmUp(context));
 }

@@ -66,7 +66,7 @@ struct HostOptions {
     uint32_t maxLights = 16;
     bool packed = false; ///< GN_VIEW_PACKED_BIT.
     GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
-    bool warmUp = true;    ///< A method when a light is pinned to it; before a frame with lights that are not, all.
+    bool warmUp = true;    ///< What is asked for by pin() and warm(); before a frame that asks for others, all.
     bool fixedMaps = true; ///< Host::fixMapSides(): what is drawn depends on nothing that was measured.
     std::function<void(GnContextCreateInfo&)> context; ///< Last word on the create-info.
 };
@@ -107,10 +107,16 @@ public:
 
     void pin(size_t light, const char* method); ///< Null: the rules decide.
     void pinAll(const char* method);
+    /// Makes a method ready. From then on lights that are not pinned may have those that were named here or pinned,
+    /// and no frame waits for others.
+    void warm(const char* method);
     /// Maps that would follow screen coverage get the sides of lights whose receivers are not measured.
     void fixMapSides();
     /// New ones in place of all lights, pinned to nothing: what is kept for a light starts anew.
     void renewLights();
+    /// The scene, which has the same things in other places, and new lights with that method: as a new host, without
+    /// the half second in which a context makes its pipelines.
+    void beginAnew(const Scene& from, const char* method);
     void require(GnResult result) const;
 
     /// Of the newest frame, one layer per light; waits for it.
@@ -180,7 +186,7 @@ private:
     std::deque<std::pair<uint64_t, uint64_t>> unfinished_; ///< (submission, gnomon's frame), oldest first.
     std::vector<bool> hidden_;
     const bool warmUp_;
-    bool allWarm_ = false;
+    bool allWarm_ = false, warmsByName_ = false;
     std::set<std::string> warm_;
     std::set<GnLight> pinned_;
     std::vector<GnTransform> lastTransforms_;
