@@ -15,6 +15,9 @@ constexpr std::string_view kColumns[] = {
     "scene",  "method", "map",   "increment_ms_min", "wrong_pct",      "memory_mib",
     "device", "driver", "width", "height",           kLightKindColumn, kDateColumn};
 
+/// Frames with shadows and without differ by as much from run to run, ms: what takes less, by how much is not known.
+constexpr double kLeastMs = 0.1;
+
 /// Texts in the order in which they came first.
 class Names {
 public:
@@ -39,7 +42,8 @@ std::string linked(const std::string& method)
 
 std::string cellOf(const Compilation::Row& row, bool onFront)
 {
-    std::string text = fixed(row.measured.ms, 2) + " ms, " + fixed(row.memoryMib, 1) + " MiB";
+    const std::string ms = row.measured.ms < kLeastMs ? "< " + fixed(kLeastMs, 1) : fixed(row.measured.ms, 2);
+    std::string text = ms + " ms, " + fixed(row.memoryMib, 1) + " MiB";
     if (std::isfinite(row.measured.error)) text += ", " + fixed(row.measured.error, 4) + " %";
     return onFront ? "**" + text + "**" : text;
 }
@@ -59,16 +63,18 @@ std::string table(const std::vector<const Compilation::Row*>& rows)
     for (const auto& [scene, all] : byScene) {
         std::vector<Benched::Row> known;
         for (const Compilation::Row* row : all)
-            if (std::isfinite(row->measured.error)) known.push_back(row->measured);
-        std::vector<std::string> front;
-        for (const size_t i : paretoFront(known)) {
-            front.push_back(known[i].method);
-            ++fronts[known[i].method];
-        }
+            if (std::isfinite(row->measured.error)) {
+                known.push_back(row->measured);
+                known.back().ms = std::max(known.back().ms, kLeastMs);
+            }
+        const std::vector<size_t> front = paretoFront(known); // one of equals
         for (const Compilation::Row* row : all) {
-            const std::string& method = row->measured.method;
-            const bool onFront = std::find(front.begin(), front.end(), method) != front.end();
-            cells[{method, scene}] = cellOf(*row, onFront);
+            const Benched::Row& measured = row->measured;
+            const bool onFront = std::any_of(front.begin(), front.end(), [&](size_t i) {
+                return known[i].ms == std::max(measured.ms, kLeastMs) && known[i].error == measured.error;
+            });
+            fronts[measured.method] += onFront;
+            cells[{measured.method, scene}] = cellOf(*row, onFront);
         }
     }
     std::string out = "| method |", rule = "| --- |";
@@ -85,6 +91,7 @@ std::string table(const std::vector<const Compilation::Row*>& rows)
         }
         out += "\n";
     }
+    std::erase_if(fronts, [](const auto& entry) { return entry.second == 0; });
     std::vector<std::pair<std::string, uint32_t>> most(fronts.begin(), fronts.end());
     std::stable_sort(most.begin(), most.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     out += "\nBold in most scenes:";
@@ -127,11 +134,11 @@ std::string comparisonPage(const Compilation& all, std::string_view command, con
            "- One light casts shadows: the first of its kind in the scene that is there in all frames.\n"
            "- *ms*: what a frame takes more with shadows than without, by the fastest of both, which alternate. On a "
            "software\n  device the processor does the GPU's work, and what else it does makes times of a "
-           "millisecond uncertain.\n"
+           "millisecond uncertain, and less than 0.1 ms nothing.\n"
            "- *MiB*: device memory that the runtime holds.\n"
            "- *%*: light-facing pixels that differ from `ray_traced`. Lights are points, which soft methods are not "
            "made for.\n"
-           "- **bold**: no other method is both as fast and as close to the truth.\n"
+           "- **bold**: no other method is faster and as close to the truth, or closer and as fast.\n"
            "- Maps have the sides that the picture asks for.\n";
     Names places;
     for (const Compilation::Row& row : all.rows)

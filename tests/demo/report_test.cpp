@@ -273,11 +273,13 @@ TEST_CASE("a comparison has a table for each place and kind of light, and marks 
     folder.write("b.csv", "scene,method,map,increment_ms_min,wrong_pct,memory_mib,device,driver,width,height,"
                           "light_kind,date\n"
                           "room,ray_traced,,2,0,2,other,7,64,36,spot,2026-01-02\n"
+                          "room,tile_shafts,,-0.4,0,2,other,7,64,36,spot,2026-01-02\n" // by the clock alone
+                          "room,pcf_hybrid,,0.05,0,2,other,7,64,36,spot,2026-01-02\n"
                           "room,ray_tr");
     Compilation all;
     REQUIRE(readCompilation(folder.path / "a.csv", all));
     REQUIRE(readCompilation(folder.path / "b.csv", all));
-    CHECK(all.rows.size() == 7);
+    CHECK(all.rows.size() == 9);
     CHECK(all.notes.size() == 1); // the row that is cut off
     CHECK_FALSE(readCompilation(folder.path / "frames.csv", all));
 
@@ -299,6 +301,8 @@ TEST_CASE("a comparison has a table for each place and kind of light, and marks 
     CHECK(count("| 4.00 ms, 6.0 MiB, 0.5000 % | - |\n") == 1);
     CHECK(count("| `plug-in` | 5.00 ms, 6.0 MiB | - |\n") == 1);
     CHECK(count("Bold in most scenes: `ray_traced` in 2, `shadow_map` in 1 of 2.") == 1);
+    CHECK(count("| **< 0.1 ms, 2.0 MiB, 0.0000 %** |\n") == 2);
+    CHECK(count("| 2.00 ms, 2.0 MiB, 0.0000 % |\n") == 1);
     CHECK(count("broken") == 0);
     CHECK(count("[`a.csv`](a.csv), [`b.csv`](b.csv)") == 1);
 }
