@@ -95,7 +95,7 @@ TEST_CASE("however an edge lies over a disc, the share of its points on one side
                 const double area = 1.0 - (std::acos(edge) - edge * std::sqrt(1.0 - edge * edge)) / std::numbers::pi;
                 squares += (share - area) * (share - area) / (kTurns * kSteps);
             }
-        CAPTURE(side);
+        CAPTURE(count);
         CHECK(std::sqrt(squares) < most);
     }
 }

@@ -334,7 +334,8 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of non-orthogonal warps are those of doubl
     for (const Case& wanted : kCases) {
         for (const auto& [even, radius] : {std::pair{0.25f, 8.0f}, std::pair{0.05f, 0.0f}, std::pair{1.0f, 32.0f}}) {
             CAPTURE(std::string(wanted.name));
-            CAPTURE(even);
+            const float share = even; // clang 14 captures no binding
+            CAPTURE(share);
             std::vector<uint32_t> counts(kCells * kCells);
             Grid grid(kCells, std::vector<double>(kCells));
             for (uint32_t y = 0; y < kCells; ++y)
@@ -418,8 +419,8 @@ TEST_CASE_FIXTURE(DeviceTest, "tables of rectilinear warps are those of double p
         for (const auto& [sums, power] : {std::pair{false, 1.0f}, {true, 0.5f}, {true, 0.0f}}) {
             for (const auto& [even, radius, side] :
                  {std::tuple{0.05f, 2.0f, 512.0f}, std::tuple{0.001f, 0.0f, 64.0f}, std::tuple{1.0f, 64.0f, 1000.0f}}) {
-                CAPTURE(std::string(name));
-                CAPTURE(side);
+                const std::string what = std::string(name) + ", " + std::to_string(side);
+                CAPTURE(what);
                 std::vector<uint32_t> importance;
                 Grid numbers(2);
                 for (uint32_t i = 0; i < 2 * kBins; ++i) {

@@ -84,7 +84,8 @@ uint64_t litAlone(const Pictures& lit, const Pictures& dark)
     return count;
 }
 
-void checkScene(const std::string& name)
+/// @param turn Counts methods over all scenes: those that are not exact are drawn in two of three.
+void checkScene(const std::string& name, size_t& turn)
 {
     CAPTURE(name);
     const Scene scene = shippedScene(name);
@@ -94,6 +95,7 @@ void checkScene(const std::string& name)
     for (const GnMethodInfo& method : stage.methods()) {
         const std::string methodName = method.pName;
         CAPTURE(methodName);
+        if (!(method.traits & GN_TRAIT_EXACT_BIT) && turn++ % 3 == 0) continue;
         if (std::none_of(scene.lights.begin(), scene.lights.end(),
                          [&](const demo::Light& light) { return serves(method.traits, light.kind); }))
             continue;
@@ -128,8 +130,9 @@ void checkScene(const std::string& name)
 TEST_CASE("without normals exact methods trace every pixel and change at most 0.05 %, and maps show no acne")
 {
     const test::DeviceTest silence;
+    size_t turn = 0;
     for (const std::string name : {"room", "colonnade", "bunny"})
-        checkScene(name);
+        checkScene(name, turn);
 }
 
 TEST_CASE(
