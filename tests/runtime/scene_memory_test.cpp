@@ -205,7 +205,7 @@ TEST_CASE("an array of instances is made as a whole or not at all, whatever allo
         CHECK(std::count(made.begin(), made.end(), GnInstance(VK_NULL_HANDLE)) == (outcome.failed ? 5 : 0));
         CHECK(scene.registry->begin(1, kNoOrigin).casters.size() == (outcome.failed ? 14u : 19u));
     }
-    CHECK(failures > 5);
+    if (countsOnlyOurs()) CHECK(failures > 5); // else none is made to fail
 }
 
 TEST_CASE("many instances that move are moved without an allocation")
