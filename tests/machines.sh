@@ -4,6 +4,7 @@
 #   mesa25       every device test on Mesa 25, unpacked in the build folder where the system's is older
 #   mesa25-core  the same of the tests labelled `core`: each method's passes, a few minutes
 #   debian13     demo/run.sh and tests/run.sh in a chroot with Debian 13, on a fresh clone of HEAD; needs root
+#   debian13-core  there, unit tests and those labelled `core` alone
 # A row that cannot be run here is SKIPPED. Downloads stay in build/machines until that folder is removed.
 set -uo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
@@ -122,7 +123,8 @@ unmount_below() {
 }
 
 row_debian13() {
-    local at="$machines/debian13" script
+    local at="$machines/debian13" script scripts=("${@:-demo/run.sh}")
+    [ $# -gt 0 ] || scripts+=(tests/run.sh)
     [ "$(id -u)" -eq 0 ] || skipped "a chroot can only be made by root"
     [ -n "$mirror" ] || skipped "apt knows no archive"
     command -v git >/dev/null || skipped "git is not installed"
@@ -150,18 +152,21 @@ row_debian13() {
     # Without this shell's variables, the driver's among them.
     local inside=(chroot "$at" /usr/bin/env -i http_proxy="${http_proxy:-}" HOME=/root
         PATH=/usr/sbin:/usr/bin:/sbin:/bin)
-    for script in demo/run.sh tests/run.sh; do
+    for script in "${scripts[@]}"; do
         say "Debian 13: $script"
-        "${inside[@]}" "/root/gnomon/$script" 2>&1 | tee "$machines/debian13.log" || failed "$script"
+        # shellcheck disable=SC2086 # the script and its arguments
+        "${inside[@]}" /root/gnomon/$script 2>&1 | tee "$machines/debian13.log" || failed "$script"
     done
-    passed "demo/run.sh; tests/run.sh: $(grep 'tests passed' "$machines/debian13.log")"
+    passed "${scripts[*]}: $(grep 'tests passed' "$machines/debian13.log")"
 }
+
+row_debian13-core() { row_debian13 "tests/run.sh -L ^(unit|core)$"; }
 
 rows=("$@")
 [ $# -gt 0 ] || rows=(isa mesa25 debian13)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || {
-        echo "no row '$row': isa, mesa25, mesa25-core, debian13" >&2
+        echo "no row '$row': isa, mesa25, mesa25-core, debian13, debian13-core" >&2
         exit 2
     }
 done
