@@ -3,6 +3,7 @@
 // structSize says how much of a structure it knows, and what it does not know is zero.
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <string>
 #include <type_traits>

@@ -197,7 +197,9 @@ std::uint32_t MethodTable::nextWarmup(const MethodDemand& demand)
     };
     if (const auto found = first([](const Method& method) { return method.has(GN_TRAIT_FALLBACK_BIT); })) return *found;
     if (const auto found = first([&](const Method& method) { return demand.pinned.has(method.index); })) return *found;
-    return demand.others ? first([](const Method&) { return true; }).value_or(UINT32_MAX) : UINT32_MAX;
+    if (!demand.others) return UINT32_MAX;
+    const auto offered = [&](const Method& method) { return offered_.empty() || offered_.has(method.index); };
+    return first(offered).value_or(UINT32_MAX);
 }
 
 void MethodTable::warnNotRecordable(std::uint32_t method, std::uint64_t roundTrips)

@@ -112,6 +112,8 @@ public:
     /// Starts or continues background creation: fallbacks, then what lights are pinned to, then what others may ask
     /// for. Returns a method whose pipelines are created but not yet executed, or UINT32_MAX.
     std::uint32_t nextWarmup(const MethodDemand& demand);
+    /// The methods that lights may be given by rules; empty: any. Nothing else becomes ready unasked.
+    void offer(const MethodSet& methods) noexcept { offered_ = methods; }
     /// Creates all pipelines of a method now.
     void createNow(Method& method);
     /// Whether one of them could not be created. The method is unavailable then, and a message says why.
@@ -134,6 +136,7 @@ private:
     JobSystem& jobs_;
     const Messages& messages_;
     bool background_;
+    MethodSet offered_;
     std::vector<std::unique_ptr<Method>> methods_;
     std::vector<const AlgorithmEntry*> entries_;
     std::deque<AlgorithmEntry> withDeviceRays_; ///< AlgorithmEntry::withDeviceRays() of those that have it.

@@ -101,6 +101,11 @@ void Selector::adopt(BoundRules rules) noexcept
 {
     engine_ = std::move(rules.engine);
     inference_ = std::move(rules.inference);
+    MethodSet spoken; // where no rule fires that speaks of a method, one of the others serves
+    if (engine_)
+        for (const std::uint32_t effect : engine_->compiled().effects)
+            spoken.add(effect / engine_->compiled().suitabilityTerms);
+    methods_.offer(spoken);
 }
 
 /// Capability: what no rule can overrule.

@@ -139,6 +139,27 @@ TEST_CASE_FIXTURE(DeviceTest, "without warm-up nothing is ready and all is lit, 
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "frames make ready what the rules may choose, and nothing that they do not speak for")
+{
+    Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT, .warmUp = false});
+    const auto spokenFor = [&](const char* method) {
+        const std::string rules = std::string("version: 1\n"
+                                              "variables: {screenShare: {universe: [0, 1], terms: "
+                                              "{all: [-.inf, -.inf, .inf, .inf]}}}\n"
+                                              "rules: [{rule: if screenShare is all then ") +
+                                  method + " is favoured}]\n";
+        host.require(gnLoadRules(host.context, rules.data(), rules.size(), method));
+        for (size_t frames = availableMethods(host.context).size(); frames > 0; --frames)
+            REQUIRE(host.draw() >= 0);
+        CHECK(std::string(host.decision(0).pMethod) == method);
+        for (const GnMethodInfo& each : availableMethods(host.context))
+            if (!needed(each, "stencil_volume") && each.pName != std::string(method))
+                CHECK_MESSAGE(!each.ready, std::string(each.pName));
+    };
+    spokenFor("stencil_volume");
+    spokenFor("ray_traced");
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "what ran for the first time in a frame that was dropped has not run")
 {
     Host host(smallScene(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT, .warmUp = false});

@@ -5,13 +5,7 @@
 #include <cstdlib>
 #include <new>
 
-#if defined(__has_feature)
-#if __has_feature(thread_sanitizer) || __has_feature(address_sanitizer)
-#define GN_TEST_SANITIZED 1
-#endif
-#elif defined(__SANITIZE_THREAD__) || defined(__SANITIZE_ADDRESS__)
-#define GN_TEST_SANITIZED 1
-#endif
+#include "sanitized.hpp"
 
 namespace {
 std::atomic<std::size_t> allocations{0};
@@ -34,11 +28,7 @@ std::int64_t gnomon::test::liveAllocationCount() noexcept
 
 bool gnomon::test::countsOnlyOurs() noexcept
 {
-#if defined(GN_TEST_SANITIZED)
-    return false;
-#else
-    return true;
-#endif
+    return !kSanitized;
 }
 
 gnomon::test::NoMemory::NoMemory(std::size_t first) noexcept

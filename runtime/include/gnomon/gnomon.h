@@ -399,7 +399,7 @@ GN_API const char* GN_CALL gnGetLastError(GnContext context);
 /** \brief Compiles and runs once every method that the enabled device can run, and waits for meshes in preparation.
 Compiles on all job threads; submits to the queue and waits for those submits; for loading screens. Without it, one
 method a frame becomes ready: those that serve while others are not ready, then those that lights are pinned to, then,
-unless all lights are pinned and served, the others. */
+unless all lights are pinned and served, those that a rule in force speaks for; without rules, all. */
 GN_API GnResult GN_CALL gnWarmUp(GnContext context);
 
 /** \brief gnWarmUp() for one method and what serves in its place where it cannot (GN_TRAIT_FALLBACK_BIT): a host that
