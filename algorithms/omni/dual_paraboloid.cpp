@@ -1,7 +1,7 @@
 #include "algorithms/omni/dual_paraboloid.hpp"
 
 #include "algorithms/omni/culling.hpp"
-#include "algorithms/omni/paraboloid_fit.hpp"
+#include "algorithms/omni/paraboloid_maps.hpp"
 
 namespace gnomon {
 

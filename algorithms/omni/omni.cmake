@@ -1,5 +1,5 @@
 gnomon_shared(
-    SOURCES cut_casters.cpp paraboloid_fit.cpp paraboloid_maps.cpp tessellation.cpp
+    SOURCES cut_casters.cpp paraboloid_maps.cpp tessellation.cpp
     SHADERS omni/paraboloid.frag
             omni/paraboloid.vert
             omni/paraboloid.vert:WORLD_SPACE=1:omni/paraboloid_world.vert)

@@ -5,7 +5,7 @@
 #include <glm/trigonometric.hpp>
 
 #include "algorithms/omni/culling.hpp"
-#include "algorithms/omni/paraboloid_fit.hpp"
+#include "algorithms/omni/paraboloid_maps.hpp"
 
 namespace gnomon {
 

@@ -104,7 +104,7 @@ vec4 gnomonShadowGather(vec3 at)
 #include "../shared/filter.glsl"
 #include "../shared/kernels.glsl"
 #include "../maps/cascade_tap.glsl"
-#include "../omni/paraboloid_tap.glsl"
+#include "../shared/paraboloid_tap.glsl"
 
 // Visibility in [0, 1]: 1 also where the light does not reach, or has no map; 0 also where the normal faces away.
 //   light     index into the view's pLights

@@ -2,7 +2,7 @@
 // Visibility of a point light from its paraboloids.
 #extension GL_GOOGLE_include_directive : require
 #include "../shared/map_lookup.h"
-#include "paraboloid.h"
+#include "../shared/paraboloid.h"
 
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
@@ -19,7 +19,7 @@ layout(constant_id = 1) const bool FILTERED = false;
 #define MAP_LAYERS
 #include "../shared/map_receiver.glsl"
 #include "../shared/map_texels.glsl"
-#include "paraboloid_tap.glsl"
+#include "../shared/paraboloid_tap.glsl"
 
 void main()
 {

@@ -2,7 +2,7 @@
 // Casters onto one paraboloid. Edges and depths between the vertices are straight, so no edge may span more than
 // maxEdgeAngle() (algorithms/omni/tessellation.hpp). WORLD_SPACE: vertices that were subdivided on the CPU.
 #extension GL_GOOGLE_include_directive : require
-#include "paraboloid.h"
+#include "../shared/paraboloid.h"
 #ifdef WORLD_SPACE
 layout(location = 0) in vec3 vertexWs;
 vec3 casterWorldPosition() { return vertexWs; }

@@ -2,7 +2,7 @@
 #ifndef GNOMON_OMNI_PARABOLOID_CONSTANTS_H
 #define GNOMON_OMNI_PARABOLOID_CONSTANTS_H
 #include "../shared/map_lookup.h"
-#include "paraboloid.h"
+#include "../shared/paraboloid.h"
 
 GN_SHARED_BEGIN
 

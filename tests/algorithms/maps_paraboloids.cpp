@@ -1,7 +1,7 @@
 // What paraboloids show, and where: round trips, cones and skewed halves against closed formulas and brute force.
 #include <doctest/doctest.h>
 
-#include "algorithms/omni/paraboloid_fit.hpp"
+#include "algorithms/shared/paraboloid_fit.hpp"
 #include "maps_fixture.hpp"
 
 using namespace gnomon;

@@ -1,4 +1,4 @@
-#include "algorithms/omni/paraboloid_fit.hpp"
+#include "algorithms/shared/paraboloid_fit.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // Taps in the paraboloids of a point light. GLSL and HLSL; MAP_TEXEL and MAP_GATHER as for plane_tap.glsl.
-#ifndef GNOMON_OMNI_PARABOLOID_TAP_GLSL
-#define GNOMON_OMNI_PARABOLOID_TAP_GLSL
-#include "../shared/plane_receiver.glsl"
+#ifndef GNOMON_SHARED_PARABOLOID_TAP_GLSL
+#define GNOMON_SHARED_PARABOLOID_TAP_GLSL
 #include "paraboloid.h"
+#include "plane_receiver.glsl"
 
 struct DiscTap {
     vec2 at;       // the receiver, in texels
@@ -47,5 +47,5 @@ float mapTexel(DiscTap tap, vec2 texel) { return MAP_TEXEL(texel / tap.side, tap
 vec4 mapGather(DiscTap tap, vec2 corner) { return MAP_GATHER(corner / tap.side, tap.layer); }
 
 #define TAP DiscTap
-#include "../shared/filter.glsl"
+#include "filter.glsl"
 #endif

@@ -1,9 +1,9 @@
 // Paraboloids around a point light (Brabec, Annen and Seidel 2002; Navratil 2015, 3.3.2 and 4.1): the stereographic image
 // of directions, of which a map shows a square. Two back to back, one cut to a cone and two skewed ones differ in their
 // numbers alone.
-#ifndef GNOMON_OMNI_PARABOLOID_H
-#define GNOMON_OMNI_PARABOLOID_H
-#include "../shared/types.h"
+#ifndef GNOMON_SHARED_PARABOLOID_H
+#define GNOMON_SHARED_PARABOLOID_H
+#include "types.h"
 
 GN_SHARED_BEGIN
 
