@@ -132,6 +132,7 @@ int benchCommand(const BenchOptions& options)
     requireMeaning(choices, options);
     requireScenes(options.scenes);
     requireWritable(options.csv);
+    if (!options.aliasing.empty()) requireWritableFolder(options.aliasing);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
     if (lightCounts.empty()) lightCounts.push_back(0); // the scene's

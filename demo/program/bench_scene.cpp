@@ -2,8 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <iterator>
 #include <limits>
 
+#include "demo/io/png.hpp"
+#include "demo/program/aliasing.hpp"
 #include "demo/program/ambiguity.hpp"
 #include "demo/program/bench_bare.hpp"
 
@@ -41,7 +45,7 @@ const std::vector<std::string>& benchColumns()
         "scene,method,lights,width,height,map,triangles,gpu_ms_p50,cpu_ms_p50,wall_ms_min,wall_ms_p50,"
         "increment_ms_min,wrong_pct,rays,memory_mib,device,driver,false_lit_pct,false_shadow_pct,ambiguous_pct,"
         "mean_abs_error,penumbra_pct,penumbra_rmse,penumbra_mean_abs,penumbra_off_pct,outside_rmse,"
-        "outside_mean_abs,outside_off_pct");
+        "outside_mean_abs,outside_off_pct,aliasing_p50,aliasing_p95");
     return columns;
 }
 
@@ -166,11 +170,28 @@ void SceneBench::addErrors(Session& session, BenchRow& row)
         row.hasErrors = true;
         if (const Image8& soft = truth_->soft[index]; soft.width > 0)
             row.soft += compareSoft(visibility[layer], soft, *counted);
+        addAliasing(session, state.present[layer], *counted, row);
         if (errors.percent(errors.wrong()) >= row.worstLightPercent) {
             row.worstLightPercent = errors.percent(errors.wrong());
             row.worstLight = light;
         }
     }
+}
+
+void SceneBench::addAliasing(Session& session, uint32_t light, const std::vector<uint8_t>& counted, BenchRow& row) const
+{
+    GnLightMap map{GN_INIT(GnLightMap)};
+    if (gnGetLightMap(session.shadows.context(), session.shadows.light(light), &map) < 0) {
+        (void)session.shadows.takeMessages(); // it hands out none
+        return;
+    }
+    const Light& is = session.scene.lights[light];
+    const std::optional<ImageF> aliasing = measureAliasing(map, is.kind, truth_->camera, truth_->surfaces, counted);
+    if (!aliasing) return;
+    std::ranges::copy_if(aliasing->texels, std::back_inserter(row.aliasing), [](float m) { return m > 0.0f; });
+    if (options_.aliasing.empty()) return;
+    const std::string file = row.scene + '_' + row.method + '_' + std::to_string(row.map) + '_' + is.name + ".png";
+    expect(writePng(std::filesystem::path(options_.aliasing) / file, pictureOf(*aliasing)));
 }
 
 /// A property of scene, camera and light, the same for every method.
@@ -210,6 +231,8 @@ void addCells(CsvWriter& csv, const BenchRow& row, const Device& device)
         soft(part.mean(), 6);
         soft(part.farPercent(), 4);
     }
+    for (const double share : {0.5, 0.95})
+        csv.cell(row.aliasing.empty() ? nothing : quantile(row.aliasing, share), 4);
 }
 
 double incrementMs(const BenchRow& row)
@@ -233,6 +256,9 @@ void printRow(const BenchRow& row)
         print("outside", row.soft.outside);
         std::printf("\n");
     }
+    if (!row.aliasing.empty())
+        std::printf("    aliasing: a texel is %.3f pixels wide in the median, 95 %% are below %.3f\n",
+                    quantile(row.aliasing, 0.5), quantile(row.aliasing, 0.95));
     for (const PassTime& pass : row.passes)
         std::printf("    %-32s x%-3u GPU %8.3f ms  CPU %8.3f ms\n", pass.name.c_str(), pass.count, pass.gpuMs,
                     pass.cpuMs);

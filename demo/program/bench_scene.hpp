@@ -28,6 +28,7 @@ struct BenchRow {
     SoftError soft; ///< Of the lights with a radius.
     uint64_t rays = 0;
     double memoryMib = 0.0;
+    std::vector<double> aliasing; ///< m of every pixel counted that looks up a map with a matrix (aliasing.hpp).
     std::vector<PassTime> passes;
 };
 
@@ -72,6 +73,7 @@ private:
     SessionOptions sessionOptions() const;
     BenchRow rowFor(const Session& session, const std::string& method, uint32_t map) const;
     void addErrors(Session& session, BenchRow& row);
+    void addAliasing(Session& session, uint32_t light, const std::vector<uint8_t>& counted, BenchRow& row) const;
     void findAmbiguous();
 
     Device& device_;

@@ -47,7 +47,8 @@ struct BenchOptions {
     uint32_t memory = 0; ///< MiB; 0: gnomon's default.
     bool validation = false;
     bool recorded = false;
-    bool passes = false; ///< Print what each pass takes.
+    bool passes = false;  ///< Print what each pass takes.
+    std::string aliasing; ///< Folder for pictures of it; empty: none.
 };
 int benchCommand(const BenchOptions& options);
 

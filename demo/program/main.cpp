@@ -99,6 +99,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--csv", options.csv, "write the table here instead of printing it");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
+    bench->add_option("--aliasing", options.aliasing, "write pictures of each map's aliasing into this folder");
     bench->add_flag("--validate", options.validation, "run under the validation layer (times are then meaningless)");
     bench->callback([&] { exitCode = benchCommand(options); });
 }

@@ -237,4 +237,11 @@ double median(std::vector<double> values)
     return *middle;
 }
 
+double quantile(std::vector<double> values, double share)
+{
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * double(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+}
+
 } // namespace gnomon::demo

@@ -85,5 +85,7 @@ std::vector<PassTime> timePasses(Session& session, uint32_t frames);
 
 double minimum(const std::vector<double>& values);
 double median(std::vector<double> values);
+/// The value that a share of them is at most. \pre there are some
+double quantile(std::vector<double> values, double share);
 
 } // namespace gnomon::demo
