@@ -1,14 +1,13 @@
 #include "algorithms/warped/nonorthogonal_warp.hpp"
 
 #include "algorithms/warped/table_map.hpp"
-#include "shaders/shared_fullscreen_vert.h"
 #include "shaders/warped_bounds_comp.h"
 #include "shaders/warped_casters_frag.h"
 #include "shaders/warped_casters_vert.h"
 #include "shaders/warped_functions_columns_comp.h"
 #include "shaders/warped_functions_comp.h"
 #include "shaders/warped_importance_comp.h"
-#include "shaders/warped_places_frag.h"
+#include "shaders/warped_places_comp.h"
 #include "shaders/warped_recount_comp.h"
 #include "shaders/warped_resolve_frag.h"
 #include "shaders/warped_smooth_columns_comp.h"
@@ -18,7 +17,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kSmoothing, kEven, kPower };
+enum Setting { kResolution, kSmoothing, kEven, kPower, kParaboloids };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 4096, 1024, true},
@@ -26,19 +25,29 @@ constexpr SettingSpec kSettings[] = {
     {"even", "Share of texels that is spread evenly, over all others.", 0.05, 10, 0.1},
     {"power", "Of the number of receivers in a cell: 1 gives every texel as many; 2/3 the fewest wrong pixels.", 0.1, 1,
      0.67},
+    kParaboloidsSetting,
 };
 
-constexpr VkDeviceSize kCountBytes = sizeof(float) * gpu::WARP_CELLS * gpu::WARP_CELLS;
-constexpr VkDeviceSize kFunctionBytes = sizeof(float) * gpu::WARP_FUNCTIONS_OF_MAP;
-constexpr VkDeviceSize kTableBytes = sizeof(float) * gpu::WARP_TABLE;
-constexpr VkFormat kPlaceFormat = VK_FORMAT_R32G32_SFLOAT;
-constexpr std::uint32_t kFunctionGroups = gpu::WARP_CELLS / 16;
-constexpr std::uint32_t kEdgeGroups = (gpu::WARP_CELL_EDGES + 63) / 64;
+constexpr std::uint32_t kRowsGroup = 16, kEdgesGroup = 64, kPlacesGroup = 64;
+
+/// Bytes for each map.
+struct Sizes {
+    VkDeviceSize counts, functions;
+    WarpTables tables;
+};
+
+Sizes sizesOf(std::uint32_t resolution)
+{
+    const gpu::WarpTable table = gpu::warpTable(0, static_cast<float>(resolution));
+    return {sizeof(float) * table.cells * table.cells,
+            sizeof(float) * gpu::warpFunctions(table.cells),
+            {.floats = table.size, .places = table.places, .functions = table.cells}};
+}
 
 /// What the passes that make a table read and write.
 struct Plan {
     const WarpTask* warp = nullptr;
-    BufferId counts, functions, warpedCounts, tables;
+    BufferId counts, functions, warpedCounts;
 };
 
 class NonorthogonalWarp final : public ShadowAlgorithm {
@@ -49,33 +58,41 @@ public:
                                              .casters = "nonorthogonal_warp.casters",
                                              .resolve = "nonorthogonal_warp.resolve",
                                              .importanceBuffer = "nonorthogonal_warp.counts",
+                                             .tables = "nonorthogonal_warp.tables",
+                                             .places = "nonorthogonal_warp.copy_places",
                                              .map = "nonorthogonal_warp.depth",
                                              .importanceCode = k_warped_importance_comp,
                                              .vertexCode = k_warped_casters_vert,
                                              .fragmentCode = k_warped_casters_frag,
-                                             .resolveCode = k_warped_resolve_frag,
-                                             .places = true})
+                                             .resolveCode = k_warped_resolve_frag})
     {
         makePipelines(*services.pipelines);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        WarpTask* warp = TableMap::fit(passes, task, static_cast<std::uint32_t>(task.settings[kResolution]));
-        warp->constants.blur = static_cast<float>(task.settings[kSmoothing] * gpu::WARP_CELLS);
-        warp->constants.evenShare = static_cast<float>(task.settings[kEven]);
-        warp->constants.power = static_cast<float>(task.settings[kPower]);
-        Plan* plan = passes.arena().make<Plan>();
-        plan->warp = warp;
-        plan->counts = map_.declareImportance(passes, task, *warp, kCountBytes);
-        const auto buffer = [&](const char* name, VkDeviceSize bytes) {
-            return passes.transient(BufferInfo{.name = name, .size = warp->maps() * bytes});
-        };
-        plan->functions = buffer("nonorthogonal_warp.functions", kFunctionBytes);
-        plan->warpedCounts = buffer("nonorthogonal_warp.recount", kCountBytes);
-        plan->tables = buffer("nonorthogonal_warp.tables", kTableBytes);
-        declareTables(passes, *plan);
-        map_.declare(passes, task, *warp, {.tables = plan->tables, .places = declarePlaces(passes, *plan)});
+        const std::span<const double> settings = task.settings;
+        const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+        WarpTask* warp = TableMap::fit(passes, task,
+                                       {.resolution = resolution,
+                                        .paraboloids = settings[kParaboloids],
+                                        .blur = settings[kSmoothing] * gpu::warpCells(static_cast<float>(resolution)),
+                                        .even = settings[kEven],
+                                        .power = settings[kPower]});
+        const Sizes sizes = sizesOf(warp->resolution);
+        if (map_.isDue(passes, task, *warp, sizes.tables)) {
+            Plan* plan = passes.arena().make<Plan>();
+            plan->warp = warp;
+            plan->counts = map_.declareImportance(passes, task, *warp, sizes.counts);
+            const auto buffer = [&](const char* name, VkDeviceSize bytes) {
+                return passes.transient(BufferInfo{.name = name, .size = warp->maps * bytes});
+            };
+            plan->functions = buffer("nonorthogonal_warp.functions", sizes.functions);
+            plan->warpedCounts = buffer("nonorthogonal_warp.recount", sizes.counts);
+            declareTables(passes, *plan);
+            map_.declareCasters(passes, task, *warp, sizes.tables);
+        }
+        map_.declareLookup(passes, task, *warp);
     }
 
     const char* refuses(const ShadowTask& task) const override { return warpRefuses(vk_, task); }
@@ -99,70 +116,51 @@ private:
         smoothColumns_ = make("nonorthogonal_warp.smooth_columns", k_warped_smooth_columns_comp, three);
         const BindingInfo bounds[] = {all[0], all[2]};
         bounds_ = make("nonorthogonal_warp.bounds", k_warped_bounds_comp, bounds);
-        const BindingInfo places[] = {all[0], all[3]};
-        places_ = pipelines.graphics({.name = "nonorthogonal_warp.places",
-                                      .vertex = {.code = k_shared_fullscreen_vert},
-                                      .fragment = {.code = k_warped_places_frag},
-                                      .bindings = places,
-                                      .pushBytes = sizeof(std::uint32_t),
-                                      .colorFormat = kPlaceFormat});
+        places_ = make("nonorthogonal_warp.places", k_warped_places_comp, bounds);
     }
 
     void declareTables(PassBuilder& passes, const Plan& plan) const
     {
         const Plan* shared = &plan;
+        const BufferId tables = plan.warp->tables;
+        const gpu::WarpTable table = gpu::warpTable(0, plan.warp->constants.base.map.side);
         const auto dispatch = [=](PipelineId pipeline, BufferId from, BufferId to, std::uint32_t x, std::uint32_t y) {
             return [=](PassContext& gpu) {
                 gpu.bind(pipeline, {gpu.constants(0, shared->warp->constants), gpu.storage(1, from), gpu.storage(2, to),
-                                    gpu.storage(5, shared->tables)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, x, y, shared->warp->maps());
+                                    gpu.storage(5, tables)});
+                gpu.vk->vkCmdDispatch(gpu.cmd, x, y, shared->warp->maps);
             };
         };
+        const std::uint32_t rowGroups = table.cells / kRowsGroup;
+        const std::uint32_t edgeGroups = (table.edges + kEdgesGroup - 1) / kEdgesGroup;
         passes.compute("nonorthogonal_warp.rows")
             .reads(plan.counts)
             .writes(plan.functions)
-            .record(dispatch(rows_, plan.counts, plan.functions, kFunctionGroups, 1));
+            .record(dispatch(rows_, plan.counts, plan.functions, rowGroups, 1));
         passes.compute("nonorthogonal_warp.smooth_rows")
             .reads(plan.functions)
-            .writes(plan.tables)
-            .record(dispatch(smoothRows_, plan.functions, plan.tables, kEdgeGroups, gpu::WARP_CELLS));
+            .writes(tables)
+            .record(dispatch(smoothRows_, plan.functions, tables, edgeGroups, table.cells));
         passes.compute("nonorthogonal_warp.recount")
             .reads(plan.counts)
-            .reads(plan.tables)
+            .reads(tables)
             .writes(plan.warpedCounts)
-            .record(dispatch(recount_, plan.counts, plan.warpedCounts, kFunctionGroups, 1));
+            .record(dispatch(recount_, plan.counts, plan.warpedCounts, rowGroups, 1));
         passes.compute("nonorthogonal_warp.columns")
             .reads(plan.warpedCounts)
             .writes(plan.functions)
-            .record(dispatch(columns_, plan.warpedCounts, plan.functions, kFunctionGroups, 1));
+            .record(dispatch(columns_, plan.warpedCounts, plan.functions, rowGroups, 1));
         passes.compute("nonorthogonal_warp.smooth_columns")
             .reads(plan.functions)
-            .updates(plan.tables)
-            .record(dispatch(smoothColumns_, plan.functions, plan.tables, kEdgeGroups, gpu::WARP_CELLS));
+            .updates(tables)
+            .record(dispatch(smoothColumns_, plan.functions, tables, edgeGroups, table.cells));
         passes.compute("nonorthogonal_warp.bounds")
-            .updates(plan.tables)
-            .record(dispatch(bounds_, plan.tables, plan.tables, kEdgeGroups, 2 * gpu::WARP_BLOCKS));
-    }
-
-    ImageId declarePlaces(PassBuilder& passes, const Plan& plan) const
-    {
-        const std::uint32_t side = plan.warp->resolution;
-        const ImageId places = passes.transient(ImageInfo{.name = "nonorthogonal_warp.places",
-                                                          .format = kPlaceFormat,
-                                                          .extent = {side, side},
-                                                          .layers = plan.warp->maps()});
-        for (std::uint32_t map = 0; map < plan.warp->maps(); ++map) {
-            if (!plan.warp->drawn(map)) continue;
-            passes.raster("nonorthogonal_warp.places", Scope::task, map)
-                .reads(plan.tables)
-                .writes(places, {.layer = map})
-                .record([=, pipeline = places_, shared = &plan](PassContext& gpu) {
-                    gpu.bind(pipeline, {gpu.constants(0, shared->warp->constants), gpu.storage(5, shared->tables)});
-                    gpu.push(map);
-                    gpu.drawFullscreen();
-                });
-        }
-        return places;
+            .updates(tables)
+            .record(dispatch(bounds_, tables, tables, edgeGroups, 2 * table.blocks));
+        passes.compute("nonorthogonal_warp.places")
+            .updates(tables)
+            .record(
+                dispatch(places_, tables, tables, (table.cells * table.texels + kPlacesGroup - 1) / kPlacesGroup, 2));
     }
 
     const DeviceTable& vk_;
@@ -182,10 +180,11 @@ constinit const AlgorithmEntry kNonorthogonalWarp{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
-            const auto side = static_cast<VkDeviceSize>(settings[kResolution]);
-            const VkDeviceSize maps = mapLayers(type);
-            return maps * side * side * (4 + 8) + 2 * pooledSize(maps * kCountBytes) +
-                   pooledSize(maps * kFunctionBytes) + pooledSize(maps * kTableBytes);
+            const auto side = static_cast<std::uint32_t>(settings[kResolution]);
+            const VkDeviceSize maps = warpMaps(type, settings[kParaboloids]);
+            const Sizes sizes = sizesOf(side);
+            return maps * side * side * 4 + 2 * pooledSize(maps * sizes.counts) + pooledSize(maps * sizes.functions) +
+                   pooledSize(maps * sizes.tables.bytes()) + maps * sizes.tables.placesBytes(side);
         },
     .missing = nullptr,
     .create = makeAlgorithm<NonorthogonalWarp>,

@@ -14,7 +14,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kBlur, kEven, kPower, kGreatest };
+enum Setting { kResolution, kBlur, kEven, kPower, kGreatest, kParaboloids };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 4096, 1024, true},
@@ -22,14 +22,17 @@ constexpr SettingSpec kSettings[] = {
     {"even", "Share of texels that is spread evenly, over all others.", 0.001, 10, 0.05},
     {"power", "Of a column's importance: 0.5 the fewest wrong pixels; 0 whatever is seen is as important.", 0, 1, 0.5},
     {"greatest", "1: a column is as important as its nearest receiver is near; 0: as all receivers together.", 0, 1, 0},
+    kParaboloidsSetting,
 };
 
 constexpr std::uint32_t kPlacesGroup = 64;
 constexpr VkDeviceSize kImportanceBytes = sizeof(std::uint32_t) * 2 * gpu::WARP_BINS;
 
-VkDeviceSize tableBytes(std::uint32_t resolution)
+WarpTables tablesOf(std::uint32_t resolution)
 {
-    return sizeof(float) * gpu::rectilinearTable(static_cast<float>(resolution));
+    return {.floats = gpu::rectilinearTable(static_cast<float>(resolution)),
+            .places = gpu::RECTILINEAR_PLACES,
+            .functions = 1};
 }
 
 // However many receivers lie in a column, their sum stays below 2^32.
@@ -47,6 +50,8 @@ public:
                                              .casters = "rectilinear_warp.casters",
                                              .resolve = "rectilinear_warp.resolve",
                                              .importanceBuffer = "rectilinear_warp.importance",
+                                             .tables = "rectilinear_warp.tables",
+                                             .places = "rectilinear_warp.copy_places",
                                              .map = "rectilinear_warp.depth",
                                              .importanceCode = k_warped_importance_rectilinear_comp,
                                              .vertexCode = k_warped_casters_rectilinear_vert,
@@ -68,38 +73,43 @@ public:
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        WarpTask* warp = TableMap::fit(passes, task, resolution);
-        warp->constants.blur = static_cast<float>(task.settings[kBlur]);
-        warp->constants.evenShare = static_cast<float>(task.settings[kEven]);
-        warp->constants.power = static_cast<float>(task.settings[kPower]);
-        if (task.settings[kGreatest] == 0.0) warp->constants.mostWeight = mostWeight(warp->constants.pixels);
-        const BufferId importance = map_.declareImportance(passes, task, *warp, kImportanceBytes);
-        map_.declare(passes, task, *warp, {.tables = declareTables(passes, *warp, importance), .places = {}});
+        const std::span<const double> settings = task.settings;
+        WarpTask* warp = TableMap::fit(passes, task,
+                                       {.resolution = resolution,
+                                        .paraboloids = settings[kParaboloids],
+                                        .blur = settings[kBlur],
+                                        .even = settings[kEven],
+                                        .power = settings[kPower]});
+        if (settings[kGreatest] == 0.0) warp->constants.mostWeight = mostWeight(warp->constants.pixels);
+        const WarpTables tables = tablesOf(resolution);
+        if (map_.isDue(passes, task, *warp, tables)) {
+            declareTables(passes, *warp, map_.declareImportance(passes, task, *warp, kImportanceBytes));
+            map_.declareCasters(passes, task, *warp, tables);
+        }
+        map_.declareLookup(passes, task, *warp);
     }
 
     const char* refuses(const ShadowTask& task) const override { return warpRefuses(vk_, task); }
 
 private:
-    BufferId declareTables(PassBuilder& passes, const WarpTask& warp, BufferId importance) const
+    void declareTables(PassBuilder& passes, const WarpTask& warp, BufferId importance) const
     {
-        const BufferId tables = passes.transient(
-            BufferInfo{.name = "rectilinear_warp.tables", .size = warp.maps() * tableBytes(warp.resolution)});
+        const BufferId tables = warp.tables;
         passes.compute("rectilinear_warp.edges")
             .reads(importance)
             .writes(tables)
             .record([=, pipeline = edges_, shared = &warp](PassContext& gpu) {
                 gpu.bind(pipeline,
                          {gpu.constants(0, shared->constants), gpu.storage(1, importance), gpu.storage(2, tables)});
-                gpu.vk->vkCmdDispatch(gpu.cmd, 2, 1, shared->maps());
+                gpu.vk->vkCmdDispatch(gpu.cmd, 2, 1, shared->maps);
             });
         passes.compute("rectilinear_warp.places")
             .updates(tables)
             .record([=, pipeline = places_, shared = &warp](PassContext& gpu) {
                 gpu.bind(pipeline, {gpu.constants(0, shared->constants), gpu.storage(2, tables)});
                 gpu.vk->vkCmdDispatch(gpu.cmd, (2 * shared->resolution + kPlacesGroup - 1) / kPlacesGroup, 1,
-                                      shared->maps());
+                                      shared->maps);
             });
-        return tables;
     }
 
     const DeviceTable& vk_;
@@ -120,8 +130,9 @@ constinit const AlgorithmEntry kRectilinearWarp{
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
             const auto side = static_cast<std::uint32_t>(settings[kResolution]);
-            const VkDeviceSize maps = mapLayers(type);
-            return maps * side * side * 4 + pooledSize(maps * tableBytes(side)) + pooledSize(maps * kImportanceBytes);
+            const VkDeviceSize maps = warpMaps(type, settings[kParaboloids]);
+            return maps * side * side * 4 + pooledSize(maps * tablesOf(side).bytes()) +
+                   maps * tablesOf(side).placesBytes(side) + pooledSize(maps * kImportanceBytes);
         },
     .missing = nullptr,
     .create = makeAlgorithm<RectilinearWarp>,

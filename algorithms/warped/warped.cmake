@@ -18,5 +18,5 @@ gnomon_algorithm(nonorthogonal_warp
     SOURCES nonorthogonal_warp.cpp
     SHADERS warped/importance.comp warped/functions.comp warped/functions.comp:COLUMNS=1:warped/functions_columns.comp
             warped/smooth.comp warped/smooth.comp:COLUMNS=1:warped/smooth_columns.comp
-            warped/recount.comp warped/bounds.comp warped/places.frag
+            warped/recount.comp warped/bounds.comp warped/places.comp
             warped/casters.vert warped/casters.frag warped/resolve.frag)

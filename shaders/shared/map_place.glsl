@@ -14,16 +14,20 @@ struct MapPlace {
     uint map; // 0, or the cube's face
 };
 
+// Whether a map decides the receiver: the light reaches what is there, and it faces the light.
+bool isDecidedByMap(MapLookup look, ivec2 pixel, vec3 fromLight)
+{
+    if (!reaches(fromLight, look.cone, look.eyeFromLight.w)) return false;
+    return !HAS_NORMALS ||
+           dot(texelFetch(normalImage, pixel, 0).xyz, fromLight * look.positional + look.axisWs.xyz) < 0.0;
+}
+
 // depth, w: the pixel's depth value and linear depth. ray, rayClip: its view ray, and MapLookup::clipFromRay of that.
 MapPlace mapPlace(MapLookup look, ViewConstants view, ivec2 pixel, float depth, float w, vec3 ray, vec4 rayClip)
 {
     const MapPlace none = MapPlace(vec2(-1.0), 1.0, 0u);
     vec3 fromLight = look.eyeFromLight.xyz + w * receiverRayWs(view, ray, depth);
-    if (!reaches(fromLight, look.cone, look.eyeFromLight.w)) return none;
-    if (HAS_NORMALS) {
-        vec3 normal = texelFetch(normalImage, pixel, 0).xyz;
-        if (dot(normal, fromLight * look.positional + look.axisWs.xyz) >= 0.0) return none;
-    }
+    if (!isDecidedByMap(look, pixel, fromLight)) return none;
     uint map = CUBE ? cubeFaceOf(fromLight) : 0u;
     vec4 clip = CUBE ? cubeClip(look, fromLight, map) : look.clipOfEye + w * (rayClip + depth * look.clipOfDepth);
     vec2 at = clip.xy / (clip.w * look.side);

@@ -1,6 +1,5 @@
 #version 460
-// Least and greatest value, edge by edge, of every WARP_BLOCK functions and of the one to each side, since values are
-// straight between functions.
+// Least and greatest value, edge by edge, of blocks of functions (WarpTable).
 #extension GL_GOOGLE_include_directive : require
 #include "warp.h"
 
@@ -9,24 +8,25 @@ layout(local_size_x = 64) in;
 layout(set = 0, binding = 0, std140) uniform Constants { WarpConstants warp; };
 layout(set = 0, binding = 2, std430) buffer Tables { float tables[]; };
 
-const uint WITH_NEIGHBOURS = WARP_BLOCK + 2u;
-
 void main()
 {
-    uint edge = gl_GlobalInvocationID.x, block = gl_GlobalInvocationID.y;
-    uint map = gl_WorkGroupID.z, table = map * WARP_TABLE;
-    if (edge >= WARP_CELL_EDGES || block >= 2u * WARP_BLOCKS || !hasWarpMap(warp, map)) return;
-    if (tables.length() < table + WARP_TABLE) return;
-    uint kind = block / WARP_BLOCKS; // 0 along rows, 1 along columns
-    uint first = (block - kind * WARP_BLOCKS) * WARP_BLOCK;
+    uint edge = gl_GlobalInvocationID.x, at = gl_GlobalInvocationID.y, map = gl_WorkGroupID.z;
+    WarpTable t = warpTable(map, warp.base.map.side);
+    if (edge >= t.edges || at >= 2u * t.blocks || !hasWarpMap(warp, map)) return;
+    if (tables.length() < t.first + t.size || !(tables[t.first + t.seen] > 0.0)) return;
+    uint kind = at / t.blocks, block = at - kind * t.blocks; // 0 along rows, 1 along columns
+    uint level = 1u;
+    for (uint i = 0u; i < WARP_CELL_STEPS; ++i)
+        if (block >= firstBlock(t, level + 1u) && (2u << level) < t.cells) ++level;
+    uint first = (block - firstBlock(t, level)) << level;
     float least = 1.0, greatest = 0.0;
-    for (uint i = 0u; i < WITH_NEIGHBOURS; ++i) {
-        uint function = min(max(first + i, 1u) - 1u, WARP_CELLS - 1u);
-        float value = tables[table + kind * WARP_FUNCTIONS + function * WARP_CELL_EDGES + edge];
+    for (uint i = 0u; i < WARP_MOST_CELLS; ++i) {
+        if (i >> level > 0u) break;
+        float value = tables[t.first + (kind * t.cells + min(first + i, t.cells - 1u)) * t.edges + edge];
         least = min(least, value);
         greatest = max(greatest, value);
     }
-    uint to = table + 2u * WARP_FUNCTIONS + 2u * (block * WARP_CELL_EDGES + edge);
+    uint to = t.first + t.bounds + (2u * kind * t.blocks + block) * t.edges + edge;
     tables[to] = least;
-    tables[to + 1u] = greatest;
+    tables[to + t.blocks * t.edges] = greatest;
 }

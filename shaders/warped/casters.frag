@@ -1,22 +1,34 @@
 #version 460
 // One texel of a warped map: whether the triangle lies at its source place, and at which depth.
 #extension GL_GOOGLE_include_directive : require
-#include "triangle.h"
+#include "disc_triangle.h"
 #include "warped.glsl"
 
+layout(constant_id = 0) const bool DISCS = false;
+layout(constant_id = 1) const bool BIASED = false; // the caster is open
 layout(push_constant, std430) uniform Push { WarpCaster caster; };
 
 #define VARYING in
 #include "casters_varyings.glsl"
 
+// What a triangle is asked with for a place.
+vec3 askedAt(WarpTriangle t, vec2 place) { return DISCS ? discDirection(caster, place) : vec3(place - t.base, 1.0); }
+
+// What its plane rises by towards a place, from another; on the disc at most by the whole range of depths.
+float rise(WarpTriangle t, vec3 from, vec2 place)
+{
+    vec3 to = askedAt(t, place);
+    if (!DISCS) return abs(dot(t.plane, to - from));
+    return abs(1.0 / max(dot(t.plane, to), 1.0) - 1.0 / max(dot(t.plane, from), 1.0));
+}
+
 // What the plane rises by over the texel, from its middle to a corner at most: the larger of both ways across.
-float slopeBias(WarpTriangle t, uvec2 texel, vec2 place)
+float slopeBias(WarpTriangle t, uvec2 texel, vec3 at)
 {
     uint map = warpMapOf(caster), last = uint(caster.side) - 1u;
     uvec2 right = uvec2(texel.x < last ? texel.x + 1u : max(texel.x, 1u) - 1u, texel.y);
     uvec2 below = uvec2(texel.x, texel.y < last ? texel.y + 1u : max(texel.y, 1u) - 1u);
-    vec2 dx = placeOf(map, right, caster.side) - place, dy = placeOf(map, below, caster.side) - place;
-    return max(abs(dot(t.plane.xy, dx)), abs(dot(t.plane.xy, dy)));
+    return max(rise(t, at, placeOf(map, right, caster.side)), rise(t, at, placeOf(map, below, caster.side)));
 }
 
 void main()
@@ -28,13 +40,13 @@ void main()
     t.plane = planeAndBelow.xyz;
     t.depths = vec2(edge0AndLeast.w, edge1AndGreatest.w);
     t.base = base;
+    // The triangle is twice the rectangle.
+    if (gl_FragCoord.x >= edge2AndRight.w || gl_FragCoord.y >= planeAndBelow.w) discard;
     uvec2 texel = uvec2(gl_FragCoord.xy);
-    vec2 place = placeOf(warpMapOf(caster), texel, caster.side);
-    vec2 c = place - base;
-    bool drawn = gl_FragCoord.x < edge2AndRight.w && gl_FragCoord.y < planeAndBelow.w && holdsPlace(t, c);
-    float depth = triangleDepth(t, c);
-    if ((caster.flags & WARP_CASTER_BIASED) != 0u) depth += slopeBias(t, texel, place);
+    vec3 at = askedAt(t, placeOf(warpMapOf(caster), texel, caster.side));
+    float depth = DISCS ? discDepth(t, at) : triangleDepth(t, at);
+    if (BIASED) depth += slopeBias(t, texel, at);
     // Depth 1 means that nothing is there. Before the near end there is nothing but 0.
-    if (!drawn || !(depth < 1.0)) discard;
+    if (!holdsPlace(t, at) || !(depth < 1.0)) discard;
     gl_FragDepth = max(depth, 0.0);
 }

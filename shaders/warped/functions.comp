@@ -27,20 +27,23 @@ void put(uint at, float value)
 
 void main()
 {
-    uint me = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
-    if (me >= WARP_CELLS || !hasWarpMap(warp, map)) return;
-    uint first = (map * WARP_CELLS + me) * WARP_CELLS, to = map * WARP_FUNCTIONS_OF_MAP;
+    uint me = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z, cells = warpCells(warp.base.map.side);
+    if (me >= cells || !hasWarpMap(warp, map)) return;
+    uint first = (map * cells + me) * cells, to = map * warpFunctions(cells), edges = to + me * (cells + 1u);
     float total = 0.0;
-    for (uint k = 0u; k < WARP_CELLS; ++k)
+    for (uint k = 0u; k < WARP_MOST_CELLS; ++k) {
+        if (k >= cells) break;
         total += countAt(first + k);
-    float even = clamp(warp.evenShare, 0.0, 1e3) * total / float(WARP_CELLS);
-    float all = total + even * float(WARP_CELLS);
+    }
+    float even = clamp(warp.evenShare, 0.0, 1e3) * total / float(cells);
+    float all = total + even * float(cells);
     bool empty = !(all > 0.0);
     float sum = 0.0;
-    for (uint k = 0u; k < WARP_CELLS; ++k) {
-        put(to + me * WARP_CELL_EDGES + k, empty ? float(k) / float(WARP_CELLS) : min(sum / all, 1.0));
+    for (uint k = 0u; k < WARP_MOST_CELLS; ++k) {
+        if (k >= cells) break;
+        put(edges + k, empty ? float(k) / float(cells) : min(sum / all, 1.0));
         sum += countAt(first + k) + even;
     }
-    put(to + me * WARP_CELL_EDGES + WARP_CELLS, 1.0);
-    put(to + WARP_FUNCTIONS + me, empty ? 0.0 : total);
+    put(edges + cells, 1.0);
+    put(to + cells * (cells + 1u) + me, empty ? 0.0 : total);
 }

@@ -13,6 +13,8 @@ layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
 #include "../shared/map_place.glsl"
 
+layout(constant_id = 2) const bool DISCS = false; // the maps are paraboloids
+
 const uint TILE = 4u; // pixels per side that an invocation looks at: neighbours mostly share a cell
 #ifdef RECTILINEAR
 const int LISTS = 2; // columns, then rows
@@ -51,6 +53,17 @@ void put(uint to, uint value)
         atomicAdd(importance[to], value);
 }
 
+MapPlace discPlace(ivec2 pixel, vec3 fromLight)
+{
+    if (!isDecidedByMap(warp.base.map, pixel, fromLight)) return MapPlace(vec2(-1.0), 1.0, 0u);
+    uint map = dot(fromLight, warp.firstWs.xyz) >= 0.0 ? 0u : 1u;
+    vec3 local = inParaboloid(warp.discs[map], fromLight);
+    float away = max(length(local), 1e-20);
+    vec2 at = 0.5 * paraboloidMap(warp.discs[map], paraboloidDisc(local / away)) + 0.5;
+    bool inside = min(at.x, at.y) >= 0.0 && max(at.x, at.y) < 1.0;
+    return MapPlace(inside ? at : vec2(-1.0), away, map);
+}
+
 void main()
 {
     uvec2 first = gl_GlobalInvocationID.xy * TILE;
@@ -72,15 +85,18 @@ void main()
             float w = linearDepth(view, depth);
             if (!(w > 0.0 && w < 1e30)) continue;
             vec3 ray = corner + float(x) * view.rayDxWs.xyz + float(y) * view.rayDyWs.xyz;
-            MapPlace is = mapPlace(look, view, pixel, depth, w, ray, cornerClip + float(x) * clipDx + float(y) * clipDy);
+            vec4 rayClip = cornerClip + float(x) * clipDx + float(y) * clipDy;
+            MapPlace is = DISCS ? discPlace(pixel, look.eyeFromLight.xyz + w * receiverRayWs(view, ray, depth))
+                                : mapPlace(look, view, pixel, depth, w, ray, rayClip);
             if (!(is.at.x >= 0.0)) continue;
 #ifdef RECTILINEAR
             uvec2 to = min(uvec2(is.at * float(WARP_BINS)), WARP_BINS - 1u) + uvec2(0u, WARP_BINS);
             to += is.map * 2u * WARP_BINS;
             uint value = greatest() ? floatBitsToUint(1.0 / w) : weightOf(look, is.w, w);
 #else
-            uvec2 cell = min(uvec2(is.at * float(WARP_CELLS)), WARP_CELLS - 1u);
-            uvec2 to = uvec2((is.map * WARP_CELLS + cell.y) * WARP_CELLS + cell.x, 0u);
+            uint cells = warpCells(look.side);
+            uvec2 cell = min(uvec2(is.at * float(cells)), cells - 1u);
+            uvec2 to = uvec2((is.map * cells + cell.y) * cells + cell.x, 0u);
             uint value = 1u;
 #endif
             for (int i = 0; i < LISTS; ++i) {

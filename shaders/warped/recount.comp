@@ -15,19 +15,22 @@ float countAt(uint cell)
     return pow(float(counts[min(cell, counts.length() - 1u)]), clamp(warp.power, 0.1, 1.0));
 }
 
-const uint STEPS = 2u * WARP_CELLS; // each ends a cell or a column
+const uint STEPS = 2u * WARP_MOST_CELLS; // each ends a cell or a column
 
 void main()
 {
     uint row = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
-    if (row >= WARP_CELLS || !hasWarpMap(warp, map)) return;
-    uint edges = map * WARP_TABLE + row * WARP_CELL_EDGES, cells = (map * WARP_CELLS + row) * WARP_CELLS;
+    WarpTable t = warpTable(map, warp.base.map.side);
+    if (row >= t.cells || !hasWarpMap(warp, map)) return;
+    uint edges = t.first + row * t.edges, cells = (map * t.cells + row) * t.cells;
+    bool seen = tableAt(t.first + t.seen) > 0.0; // without, there are no functions either
     uint cell = 0u, column = 0u;
     float low = 0.0, begin = 0.0, held = 0.0;
-    float end = tableAt(edges + 1u), count = countAt(cells);
+    float end = seen ? tableAt(edges + 1u) : 1.0, count = countAt(cells);
     for (uint i = 0u; i < STEPS; ++i) {
-        float columnEnd = float(column + 1u) / float(WARP_CELLS);
-        bool cellEnds = end < columnEnd && cell + 1u < WARP_CELLS;
+        if (column >= t.cells) break;
+        float columnEnd = float(column + 1u) / float(t.cells);
+        bool cellEnds = seen && end < columnEnd && cell + 1u < t.cells;
         float high = cellEnds ? end : columnEnd;
         held += count * clamp((high - low) / max(end - begin, 1e-20), 0.0, 1.0);
         low = high;
@@ -36,8 +39,8 @@ void main()
             begin = end;
             end = tableAt(edges + cell + 1u);
             count = countAt(cells + cell);
-        } else if (column < WARP_CELLS) {
-            uint to = (map * WARP_CELLS + column) * WARP_CELLS + row;
+        } else {
+            uint to = (map * t.cells + column) * t.cells + row;
             if (to < warpedCounts.length()) warpedCounts[to] = held;
             ++column;
             held = 0.0;

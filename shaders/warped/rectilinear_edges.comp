@@ -72,5 +72,5 @@ void main()
     }
     if (me != 0u) return;
     tables[first + WARP_BINS] = 1.0;
-    if (axis == 0u) tables[table + size - 1u] = total > 0.0 ? 1.0 : 0.0;
+    if (axis == 0u) tables[table + rectilinearSeen(warp.base.map.side)] = total > 0.0 ? 1.0 : 0.0;
 }

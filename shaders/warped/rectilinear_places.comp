@@ -15,8 +15,8 @@ void main()
     uint side = uint(warp.base.map.side), me = gl_GlobalInvocationID.x, map = gl_WorkGroupID.z;
     uint table = map * rectilinearTable(warp.base.map.side);
     uint axis = me < side ? 0u : 1u, texel = me - axis * side;
-    uint to = table + 2u * WARP_BIN_EDGES + me;
-    if (texel >= side || to >= tables.length() || !hasWarpMap(warp, map)) return;
+    uint to = table + RECTILINEAR_PLACES + 2u * me;
+    if (texel >= side || to + 1u >= tables.length() || !hasWarpMap(warp, map)) return;
     float wanted = (float(texel) + 0.5) / float(side);
     uint first = table + axis * WARP_BIN_EDGES, bin = 0u;
     for (uint i = 0u; i < STEPS; ++i) {
@@ -25,5 +25,5 @@ void main()
     }
     float low = tables[first + bin], high = tables[first + bin + 1u];
     float share = clamp((wanted - low) / max(high - low, 1e-20), 0.0, 1.0);
-    tables[to] = (float(bin) + share) * float(side) / float(WARP_BINS);
+    tables[to] = tables[to + 1u] = (float(bin) + share) / float(WARP_BINS);
 }

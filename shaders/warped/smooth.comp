@@ -10,19 +10,21 @@ layout(set = 0, binding = 0, std140) uniform Constants { WarpConstants warp; };
 layout(set = 0, binding = 1, std430) readonly buffer Functions { float functions[]; };
 layout(set = 0, binding = 2, std430) buffer Tables { float tables[]; };
 #ifdef COLUMNS
-const uint FIRST = WARP_FUNCTIONS;
+const uint KIND = 1u;
 #else
-const uint FIRST = 0u;
+const uint KIND = 0u;
 #endif
 
 float functionAt(uint at) { return functions[min(at, functions.length() - 1u)]; }
 
 #ifndef COLUMNS
-bool anyWeight(uint first)
+bool anyWeight(uint first, uint cells)
 {
     float sum = 0.0;
-    for (uint i = 0u; i < WARP_CELLS; ++i)
+    for (uint i = 0u; i < WARP_MOST_CELLS; ++i) {
+        if (i >= cells) break;
         sum += functionAt(first + i);
+    }
     return sum > 0.0;
 }
 #endif
@@ -30,23 +32,25 @@ bool anyWeight(uint first)
 void main()
 {
     uint edge = gl_GlobalInvocationID.x, me = gl_GlobalInvocationID.y, map = gl_WorkGroupID.z;
-    uint table = map * WARP_TABLE, from = map * WARP_FUNCTIONS_OF_MAP;
-    uint to = table + FIRST + me * WARP_CELL_EDGES + edge;
-    if (edge >= WARP_CELL_EDGES || me >= WARP_CELLS || !hasWarpMap(warp, map)) return;
-    if (tables.length() < table + WARP_TABLE) return;
-#ifndef COLUMNS
-    if (edge == 0u && me == 0u) tables[table + WARP_SEEN] = anyWeight(from + WARP_FUNCTIONS) ? 1.0 : 0.0;
+    WarpTable t = warpTable(map, warp.base.map.side);
+    if (edge >= t.edges || me >= t.cells || !hasWarpMap(warp, map) || tables.length() < t.first + t.size) return;
+    uint from = map * warpFunctions(t.cells), weightsFrom = from + t.cells * t.edges;
+#ifdef COLUMNS
+    if (!(tables[t.first + t.seen] > 0.0)) return;
+#else
+    if (edge == 0u && me == 0u) tables[t.first + t.seen] = anyWeight(weightsFrom, t.cells) ? 1.0 : 0.0;
 #endif
     uint radius = min(uint(max(warp.blur, 0.0)), MAX_SMOOTHING);
     float weights = 0.0, sum = 0.0;
     for (uint i = 0u; i <= 2u * radius; ++i) { // bound: MAX_SMOOTHING
         uint other = me + i - radius;          // before 0 it is beyond the end
-        if (other >= WARP_CELLS) continue;
+        if (other >= t.cells) continue;
         float tent = float(radius + 1u) - abs(float(i) - float(radius));
-        float weight = tent * functionAt(from + WARP_FUNCTIONS + other);
+        float weight = tent * functionAt(weightsFrom + other);
         weights += weight;
-        sum += weight * functionAt(from + other * WARP_CELL_EDGES + edge);
+        sum += weight * functionAt(from + other * t.edges + edge);
     }
-    float even = float(edge) / float(WARP_CELLS);
-    tables[to] = edge == WARP_CELLS ? 1.0 : weights > 0.0 ? clamp(sum / weights, 0.0, 1.0) : even;
+    float even = float(edge) / float(t.cells);
+    uint to = t.first + (KIND * t.cells + me) * t.edges + edge;
+    tables[to] = edge == t.cells ? 1.0 : weights > 0.0 ? clamp(sum / weights, 0.0, 1.0) : even;
 }

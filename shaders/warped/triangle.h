@@ -15,7 +15,6 @@ GN_SHARED_BEGIN
 GN_SHARED_CONST uint WARP_CASTER_PERSPECTIVE = 1u;
 GN_SHARED_CONST uint WARP_CASTER_BACK_ONLY = 2u; // only faces turned away from the light
 GN_SHARED_CONST uint WARP_CASTER_MIRRORED = 4u;  // the winding is reversed
-GN_SHARED_CONST uint WARP_CASTER_BIASED = 8u;    // pushed away from the light by its slope (runtime/scene/bias.hpp)
 
 GN_SHARED_CONST uint WARP_CASTER_MAP_SHIFT = 8u; // and above: the map that is drawn
 
@@ -24,11 +23,13 @@ struct WarpCaster {
     mat4 texelFromObject; // x, y: source texels times w; z: depth of a directional light; w
     float side;           // of the map, texels
     float depthConstant;  // perspective: depth = depthConstant + depthScale / w
-    float depthScale;
+    float depthScale;     // paraboloid: distance of depth 1
     uint flags;
+    vec4 disc; // paraboloid, where the matrix leads to its axes: x, y its centre; z texels a unit; w sine of the angle past
+               // a right one that the map shows
 };
 GN_SHARED_OFFSET(WarpCaster, side, 64)
-GN_SHARED_SIZE(WarpCaster, 80)
+GN_SHARED_SIZE(WarpCaster, 96)
 
 GN_SHARED_FN uint warpMapOf(WarpCaster caster) { return min(caster.flags >> WARP_CASTER_MAP_SHIFT, 5u); }
 
@@ -145,17 +146,13 @@ GN_SHARED_FN WarpTriangle warpTriangle(WarpCaster caster, vec3 p0, vec3 p1, vec3
     return t;
 }
 
-// Of a place from the base.
-GN_SHARED_FN bool holdsPlace(WarpTriangle t, vec2 c)
+// Of a place from the base, and 1; or of a direction (disc_triangle.h).
+GN_SHARED_FN bool holdsPlace(WarpTriangle t, vec3 at)
 {
-    vec3 at = vec3(c.x, c.y, 1.0f);
     return min(dot(t.edge0, at), min(dot(t.edge1, at), dot(t.edge2, at))) >= -EDGE_SLACK;
 }
 
-GN_SHARED_FN float triangleDepth(WarpTriangle t, vec2 c)
-{
-    return clamp(t.plane.x * c.x + t.plane.y * c.y + t.plane.z, t.depths.x, t.depths.y);
-}
+GN_SHARED_FN float triangleDepth(WarpTriangle t, vec3 at) { return clamp(dot(t.plane, at), t.depths.x, t.depths.y); }
 
 GN_SHARED_END
 #endif

@@ -6,6 +6,7 @@
 #ifndef GNOMON_WARPED_WARP_H
 #define GNOMON_WARPED_WARP_H
 #include "../shared/map_lookup.h"
+#include "../shared/paraboloid.h"
 
 GN_SHARED_BEGIN
 
@@ -14,23 +15,51 @@ GN_SHARED_CONST uint WARP_BINS = 512u;
 GN_SHARED_CONST uint WARP_BIN_EDGES = WARP_BINS + 1u;
 GN_SHARED_CONST uint MAX_BLUR_BINS = 64u;
 
-// Cells per side of the counts of a non-orthogonal warp: as many functions along rows, and along columns.
-GN_SHARED_CONST uint WARP_CELLS = 128u;
-GN_SHARED_CONST uint WARP_CELL_EDGES = WARP_CELLS + 1u;
-GN_SHARED_CONST uint MAX_SMOOTHING = WARP_CELLS / 4u;
-// Functions that have bounds in common, for boxes across many.
-GN_SHARED_CONST uint WARP_BLOCK = 8u;
-GN_SHARED_CONST uint WARP_BLOCKS = WARP_CELLS / WARP_BLOCK;
+// Cells per side of the counts of a non-orthogonal warp: as many functions along rows, and along columns. Four texels
+// each or so; smoothing takes as long as the cube of their number.
+GN_SHARED_CONST uint WARP_MOST_CELLS = 128u;
+GN_SHARED_CONST uint WARP_CELL_STEPS = 7u; // 2^7 cells
+GN_SHARED_FN uint warpCells(float side) { return side < 256.0f ? 32u : side < 512.0f ? 64u : WARP_MOST_CELLS; }
+GN_SHARED_CONST uint MAX_SMOOTHING = WARP_MOST_CELLS / 4u;
 
-// Of the table of a non-orthogonal warp, in floats: functions along rows, along columns, the bounds of either, and
-// whether any receiver was counted.
-GN_SHARED_CONST uint WARP_FUNCTIONS = WARP_CELLS * WARP_CELL_EDGES;
-GN_SHARED_CONST uint WARP_FUNCTIONS_OF_MAP = WARP_FUNCTIONS + WARP_CELLS; // along one side, and the weight of each
-GN_SHARED_CONST uint WARP_BOUNDS = 2u * WARP_BLOCKS * WARP_CELL_EDGES;
-GN_SHARED_CONST uint WARP_SEEN = 2u * (WARP_FUNCTIONS + WARP_BOUNDS);
-GN_SHARED_CONST uint WARP_TABLE = WARP_SEEN + 1u;
+// Where things are in the tables of non-orthogonal warps, in floats: functions along rows, and along columns, by their
+// edges; of either the least and the greatest of blocks of 2, 4, ... functions, up to two of half of them; where each
+// function and the next, of rows and of columns, have the middle of each texel, texel by texel; and whether any receiver
+// was counted. Numbers of floats are even.
+struct WarpTable {
+    uint cells;
+    uint edges; // of a function
+    uint blocks; // of all sizes
+    uint texels;
+    uint first;  // of this map
+    uint bounds; // behind `first`
+    uint places;
+    uint seen;
+    uint size;
+};
 
-// A point light has a map, and a table, for each of six faces; others have one. Counts and tables of all maps lie one
+GN_SHARED_FN WarpTable warpTable(uint map, float side)
+{
+    WarpTable t;
+    t.cells = warpCells(side);
+    t.edges = t.cells + 1u;
+    t.texels = uint(clamp(side, 1.0f, 16384.0f));
+    t.blocks = t.cells - 2u;
+    t.bounds = 2u * t.cells * t.edges;
+    t.places = t.bounds + 4u * t.blocks * t.edges;
+    t.seen = t.places + 4u * t.texels * t.cells;
+    t.size = t.seen + 2u;
+    t.first = map * t.size;
+    return t;
+}
+
+// The first block of 2^level functions, level above 0.
+GN_SHARED_FN uint firstBlock(WarpTable t, uint level) { return t.cells - (t.cells >> (level - 1u)); }
+
+// Floats of a map's functions before they are smoothed: those along one side, and the weight of each.
+GN_SHARED_FN uint warpFunctions(uint cells) { return cells * (cells + 2u); }
+
+// A point light has a map, and a table, for each of six faces or two paraboloids; others have one. Counts and tables of all maps lie one
 // behind the other.
 GN_SHARED_CONST uint WARP_MAPS = 6u;
 
@@ -46,21 +75,25 @@ struct WarpConstants {
     uint padding0;
     uint padding1;
     uint padding2;
+    Paraboloid discs[2]; // where maps are paraboloids
+    vec4 firstWs;        // xyz: a receiver in direction v is in the first where dot(v, this) >= 0
 };
 GN_SHARED_OFFSET(WarpConstants, pixels, 416)
-GN_SHARED_SIZE(WarpConstants, 464)
+GN_SHARED_SIZE(WarpConstants, 608)
 
 GN_SHARED_FN bool hasWarpMap(WarpConstants warp, uint map)
 {
     return map < WARP_MAPS && ((warp.maps >> map) & 1u) != 0u;
 }
 
-// Floats of a rectilinear warp's table: both functions, the source place of every column and row, and whether any
-// receiver was counted.
+// Floats of a rectilinear warp's table: both functions; the source place of every column and row, twice, as if there were
+// a next function; and whether any receiver was counted.
+GN_SHARED_CONST uint RECTILINEAR_PLACES = 2u * WARP_BIN_EDGES;
 GN_SHARED_FN uint rectilinearTable(float side)
 {
-    return 2u * (WARP_BIN_EDGES + uint(clamp(side, 0.0f, 16384.0f))) + 1u;
+    return RECTILINEAR_PLACES + 4u * uint(clamp(side, 0.0f, 16384.0f)) + 2u;
 }
+GN_SHARED_FN uint rectilinearSeen(float side) { return rectilinearTable(side) - 2u; }
 
 GN_SHARED_END
 #endif

@@ -1,4 +1,4 @@
-// The warp of the map at hand: warped(), warpedBox(), placeOf(), isSeen().
+// The warp of the map at hand: texelOf(), placeOf(), warpedBox(), isSeen().
 #ifdef RECTILINEAR
 #include "rectilinear.glsl"
 #else

@@ -9,7 +9,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
 
-#include "shaders/warped/triangle.h"
+#include "shaders/warped/disc_triangle.h"
 
 using namespace gnomon;
 
@@ -104,7 +104,7 @@ TEST_CASE("texels' rays meet a triangle where edge functions say, at the depth t
                 if (k % 4 == 0) c = 0.5 * double(kSide) * (1.0 + glm::dvec2(unit(random), unit(random)));
                 const Hit hit = traced(perspective, c, corners);
                 if (std::fabs(hit.edge) < 0.05) continue; // either is right
-                const glm::vec2 fromBase(c - glm::dvec2(t.base));
+                const glm::vec3 fromBase(c - glm::dvec2(t.base), 1.0);
                 const bool inBox = any && c.x >= double(t.box.x) && c.x <= double(t.box.z) && c.y >= double(t.box.y) &&
                                    c.y <= double(t.box.w);
                 const bool says = inBox && gpu::holdsPlace(t, fromBase);
@@ -150,4 +150,83 @@ TEST_CASE("what is no triangle draws nothing")
         CHECK_FALSE(draws({nan, nan, nan}, {nan, nan, nan}, {nan, nan, nan}));
         if (perspective) CHECK_FALSE(draws(-a, -b, -c)); // behind the light
     }
+}
+
+TEST_CASE(
+    "on a paraboloid, texels' directions meet a triangle where planes through its edges say, at the depth they say")
+{
+    constexpr double kReach = 60.0;
+    std::mt19937 random(6);
+    std::uniform_real_distribution<double> unit(-1.0, 1.0);
+    gpu::WarpCaster caster{};
+    caster.texelFromObject = glm::mat4(1.0f);
+    caster.side = kSide;
+    caster.depthScale = static_cast<float>(kReach);
+    caster.disc = {0.1f, -0.2f, 0.45f * kSide, 1.0f / 3.0f};
+    std::uint32_t held = 0, wide = 0, wrong = 0, outside = 0, boxes = 0;
+    double depthError = 0.0, waste = 0.0;
+    for (int i = 0; i < 20'000; ++i) {
+        const double size = std::pow(10.0, 1.5 * unit(random));
+        const glm::dvec3 about(12.0 * unit(random), 12.0 * unit(random), 12.0 * unit(random));
+        glm::dvec3 corners[3];
+        glm::vec3 given[3];
+        for (int k = 0; k < 3; ++k) {
+            given[k] = about + size * glm::dvec3(unit(random), unit(random), unit(random));
+            corners[k] = given[k];
+        }
+        const bool mirrored = i % 3 == 0, backOnly = i % 2 == 0;
+        caster.flags = (mirrored ? gpu::WARP_CASTER_MIRRORED : 0u) | (backOnly ? gpu::WARP_CASTER_BACK_ONLY : 0u);
+        const gpu::WarpTriangle t = gpu::discTriangle(caster, given[0], given[1], given[2]);
+        const bool any = t.box.x < t.box.z;
+        const glm::dvec3 n = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+        const double volume = glm::dot(n, corners[0]);
+        glm::dvec2 least(1e9), most(-1e9);
+        for (int k = 0; k < 60; ++k) {
+            const glm::dvec2 low(any ? glm::dvec2(t.box.x, t.box.y) : glm::dvec2(0.0));
+            const glm::dvec2 high(any ? glm::dvec2(t.box.z, t.box.w) : glm::dvec2(double(kSide)));
+            glm::dvec2 c = low + (high - low) * (0.5 + 0.5 * glm::dvec2(unit(random), unit(random)));
+            if (k % 4 == 0) c = 0.5 * double(kSide) * (1.0 + glm::dvec2(unit(random), unit(random)));
+            const glm::vec3 asked = gpu::discDirection(caster, c);
+            const glm::dvec2 disc = (c - 0.5 * double(kSide)) / double(caster.disc.z) + glm::dvec2(caster.disc);
+            const double square = glm::dot(disc, disc);
+            const glm::dvec3 way = glm::dvec3(2.0 * disc, 1.0 - square) / (1.0 + square);
+            double edge = INFINITY; // sine of the angle from the nearest edge's plane, inside
+            for (int j = 0; j < 3; ++j) {
+                const glm::dvec3 plane = glm::cross(corners[j], corners[(j + 1) % 3]);
+                edge = std::min(edge, std::copysign(1.0, volume) * glm::dot(plane, way) / glm::length(plane));
+            }
+            if (std::fabs(edge) * double(caster.disc.z) < 0.05) continue; // either is right
+            const double along = volume / glm::dot(n, way);
+            const bool inBox = any && c.x >= double(t.box.x) && c.x <= double(t.box.z) && c.y >= double(t.box.y) &&
+                               c.y <= double(t.box.w);
+            const bool says = inBox && gpu::holdsPlace(t, asked);
+            const bool away = glm::dot(way, n) > 0.0;
+            const bool expected = edge > 0.0 && along > 0.0 && (!backOnly || away != mirrored);
+            if (expected && way.z < -1.0 / 3.0) continue; // past what the map says it shows
+            outside += expected && !inBox;
+            wrong += says != expected;
+            if (!says || !expected) continue;
+            ++held;
+            wide += size > 10.0;
+            least = glm::min(least, c);
+            most = glm::max(most, c);
+            const double steep = std::fabs(volume) / (glm::length(n) * glm::length(corners[0]));
+            if (steep < 0.01) continue; // depths of faces seen edge-on are as good as directions
+            depthError = std::max(depthError, std::fabs(double(gpu::discDepth(t, asked)) - along / kReach) /
+                                                  std::max(along / kReach, 0.01));
+        }
+        // How tight the box is around one that lies before the light: what was held comes near its sides.
+        if (any && most.x > least.x && size < 3.0) {
+            ++boxes;
+            waste += (most.x - least.x) / double(t.box.z - t.box.x);
+        }
+    }
+    MESSAGE("held " << held << ", of wide ones " << wide << ", wrong " << wrong << ", depth off by a share of "
+                    << depthError << "; what was found fills " << waste / boxes << " of the box");
+    CHECK(held > 20'000);
+    CHECK(wide > 1'000);
+    CHECK(outside == 0);
+    CHECK(wrong == 0);
+    CHECK(depthError < 1e-4);
+    CHECK(waste / boxes > 0.5);
 }

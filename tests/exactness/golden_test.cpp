@@ -87,6 +87,9 @@ TEST_CASE("every method draws the colonnade as it did when its golden image was 
     for (const std::string filtered : {"shadow_map", "cube_map", "dual_paraboloid"})
         compareWithGolden(prefix + filtered + "_filter5",
                           sideBySide(stage.draw(filtered, {{"filter", 5.0}, {"resolution", 512.0}})));
+    for (const std::string warp : {"rectilinear_warp", "nonorthogonal_warp"})
+        compareWithGolden(prefix + warp + "_paraboloids",
+                          sideBySide(stage.draw(warp, {{"paraboloids", 1.0}, {"resolution", 512.0}})));
 }
 
 TEST_CASE("soft rays draw the colonnade under wide lights as they did when their golden images were looked at")

@@ -63,16 +63,16 @@ double coneDegrees(const Scene& scene)
     return glm::degrees(std::acos(cosine));
 }
 
-/// Passes of the newest frame that drew casters into maps.
-size_t casterPasses(Stage& stage)
+/// Passes of the newest frame whose names have that: those that drew casters into maps.
+size_t casterPasses(Stage& stage, std::string_view part = ".casters.")
 {
     const GnContext context = stage.session().shadows.context();
     uint32_t count = 0;
     REQUIRE(gnGetFramePasses(context, &count, nullptr) == GN_SUCCESS);
     std::vector<GnPassTiming> passes(count);
     REQUIRE(gnGetFramePasses(context, &count, passes.data()) == GN_SUCCESS);
-    return static_cast<size_t>(std::ranges::count_if(passes, [](const GnPassTiming& pass) {
-        return std::string_view(pass.pName).find(".casters.") != std::string_view::npos;
+    return static_cast<size_t>(std::ranges::count_if(passes, [&](const GnPassTiming& pass) {
+        return std::string_view(pass.pName).find(part) != std::string_view::npos;
     }));
 }
 
@@ -168,8 +168,25 @@ TEST_CASE("a skew of 30 degrees makes less wrong near the eye, and not 1.2 times
 
 namespace {
 
-/// Pixels whose receiver lies within that share of a cube face's half side before its border, as seen from the lamp.
-std::vector<uint8_t> besideBorders(const Stage& stage, double share)
+/// What a point light's maps are, warped or not.
+struct Maps {
+    const char* plain;  ///< The method whose maps they are, unwarped.
+    double paraboloids; ///< The warps' setting.
+    double mostShare;   ///< Of the plain maps' wrong pixels.
+};
+
+/// Whether a direction from the lamp comes within that share of a map's half side to its border.
+bool isBeside(const glm::dvec3& away, double paraboloids, double share)
+{
+    const glm::dvec3 size = glm::abs(away);
+    if (paraboloids != 0.0) return size.y <= share * glm::length(away);
+    double sides[3] = {size.x, size.y, size.z};
+    std::ranges::sort(sides);
+    return sides[1] >= (1.0 - share) * sides[2];
+}
+
+/// Pixels whose receiver lies there, as seen from the lamp.
+std::vector<uint8_t> besideBorders(const Stage& stage, double paraboloids, double share)
 {
     std::vector<uint8_t> beside = stage.counted[0];
     const demo::CameraMatrices& camera = stage.camera;
@@ -179,49 +196,76 @@ std::vector<uint8_t> besideBorders(const Stage& stage, double share)
             double(camera.depthScale) / (double(stage.surfaces.depth.texels[i]) + double(camera.depthAdd));
         const glm::dvec3 ray =
             glm::dvec3(camera.rayCorner) + pixel.x * glm::dvec3(camera.rayDx) + pixel.y * glm::dvec3(camera.rayDy);
-        const glm::dvec3 away = glm::abs(camera.eye + linear * ray - stage.scene().lights[0].position);
-        double sides[3] = {away.x, away.y, away.z};
-        std::ranges::sort(sides);
-        if (sides[1] < (1.0 - share) * sides[2]) beside[i] = 0;
+        const glm::dvec3 away = camera.eye + linear * ray - stage.scene().lights[0].position;
+        if (!isBeside(away, paraboloids, share)) beside[i] = 0;
     }
     return beside;
 }
 
 } // namespace
 
-// Navratil 2015, 4.2.6 and 5.3: a warp of its own for each face. Lamps in view, and beside and behind the eye.
-TEST_CASE("cubes whose faces are warped are less wrong than plain ones, and nothing opens where faces meet")
+// Navratil 2015, 4.2.6 and 5.3: a warp of its own for each face or paraboloid. Lamps in view, and beside and behind the
+// eye.
+TEST_CASE("maps of point lights that are warped are less wrong than plain ones, and nothing opens where they meet")
 {
     const test::DeviceTest silence;
     constexpr const char* kWarps[] = {"rectilinear_warp", "nonorthogonal_warp"};
-    ErrorCount plain, plainBeside, warped[2], warpedBeside[2];
-    for (const std::string name : {"colonnade", "bunny"}) {
-        for (const Lamp& lamp : {Lamp{{0.0, 1.0, -6.0}, 20.0f}, Lamp{{-3.0, 2.0, 2.0}, 24.0f}}) {
-            Stage stage(underLamp(name, lamp), kSize);
-            const Settings coarse{{"resolution", 256.0}};
-            const std::vector<uint8_t> beside = besideBorders(stage, 0.05);
-            const Pictures cube = stage.draw("cube_map", coarse);
-            plain += pooled(stage, cube);
-            plainBeside += demo::compare(cube[0], stage.truth[0], beside);
-            std::string words = name + ": cube_map " + inWords(pooled(stage, cube));
-            for (size_t i = 0; i < 2; ++i) {
-                const Pictures pictures = stage.draw(kWarps[i], coarse);
-                const ErrorCount error = pooled(stage, pictures);
-                CHECK(error.wrong() < pooled(stage, cube).wrong());
-                warped[i] += error;
-                warpedBeside[i] += demo::compare(pictures[0], stage.truth[0], beside);
-                words += std::string(", ") + kWarps[i] + ' ' + inWords(error);
+    for (const Maps& maps : {Maps{"cube_map", 0.0, 0.8}, Maps{"dual_paraboloid", 1.0, 0.5}}) {
+        ErrorCount plain, plainBeside, warped[2], warpedBeside[2];
+        for (const std::string name : {"colonnade", "bunny"}) {
+            for (const Lamp& lamp : {Lamp{{0.0, 1.0, -6.0}, 20.0f}, Lamp{{-3.0, 2.0, 2.0}, 24.0f}}) {
+                Stage stage(underLamp(name, lamp), kSize);
+                const Settings coarse{{"resolution", 256.0}};
+                const std::vector<uint8_t> beside = besideBorders(stage, maps.paraboloids, 0.05);
+                const Pictures unwarped = stage.draw(maps.plain, coarse);
+                const ErrorCount error = pooled(stage, unwarped);
+                plain += error;
+                plainBeside += demo::compare(unwarped[0], stage.truth[0], beside);
+                std::string words = name + ": " + maps.plain + ' ' + inWords(error);
+                for (size_t i = 0; i < 2; ++i) {
+                    const Pictures pictures =
+                        stage.draw(kWarps[i], {{"resolution", 256.0}, {"paraboloids", maps.paraboloids}});
+                    const ErrorCount own = pooled(stage, pictures);
+                    CHECK(own.wrong() < error.wrong());
+                    warped[i] += own;
+                    warpedBeside[i] += demo::compare(pictures[0], stage.truth[0], beside);
+                    words += std::string(", ") + kWarps[i] + ' ' + inWords(own);
+                }
+                MESSAGE(words);
             }
-            MESSAGE(words);
+        }
+        CHECK(plainBeside.counted > 10'000);
+        for (size_t i = 0; i < 2; ++i) {
+            MESSAGE(std::string(kWarps[i])
+                    << ": " << inWords(warped[i]) << " of " << std::string(maps.plain) << "'s " << inWords(plain)
+                    << ", beside borders " << inWords(warpedBeside[i]) << " of " << inWords(plainBeside));
+            CHECK(double(warped[i].wrong()) <= maps.mostShare * double(plain.wrong()));
+            CHECK(warpedBeside[i].wrong() <= plainBeside.wrong());
         }
     }
-    CHECK(plainBeside.counted > 10'000);
-    for (size_t i = 0; i < 2; ++i) {
-        MESSAGE(std::string(kWarps[i]) << ": " << inWords(warped[i]) << " of cube_map's " << inWords(plain)
-                                       << ", beside borders " << inWords(warpedBeside[i]) << " of "
-                                       << inWords(plainBeside));
-        CHECK(double(warped[i].wrong()) <= 0.8 * double(plain.wrong()));
-        CHECK(warpedBeside[i].wrong() <= plainBeside.wrong());
+}
+
+TEST_CASE("a warped map is drawn once while view, light and casters stand still")
+{
+    const test::DeviceTest silence;
+    Stage stage(underLamp("colonnade", {{0.0, 1.0, -6.0}, 20.0f}), {96, 64});
+    for (const std::string warp : {"rectilinear_warp", "nonorthogonal_warp"}) {
+        for (const double paraboloids : {0.0, 1.0}) {
+            CAPTURE(warp);
+            CAPTURE(paraboloids);
+            const Settings settings{{"resolution", 128.0}, {"paraboloids", paraboloids}};
+            Settings other = settings;
+            other.push_back({"even", 0.5});
+            (void)stage.draw(warp, other);
+            const Pictures first = stage.draw(warp, settings);
+            CHECK(casterPasses(stage, warp + ".casters") > 0);
+            CHECK(casterPasses(stage, warp + ".importance") == 1);
+            const Pictures second = stage.draw(warp, settings);
+            CHECK(casterPasses(stage, warp + ".casters") == 0);
+            CHECK(casterPasses(stage, warp + ".importance") == 0);
+            CHECK(casterPasses(stage, warp + ".resolve") == 1);
+            CHECK(test::differences(first, second) == 0);
+        }
     }
 }
 
@@ -235,7 +279,9 @@ TEST_CASE("lamps in odd places and maps of 64 texels give pictures, not faults")
         double mostWrong; // percent at 512 texels: twice the worst measured
     };
     const glm::dvec3 toOrigin = glm::transpose(axesOf(shippedScene("colonnade").camera[0])) * -eye;
-    const double everything = 30.0; // all that a lamp a thousand kilometres away shadows is less than a texel, or one
+    // All that a lamp a thousand kilometres away shadows is less than a texel, or one: its answer is that of
+    // everything.
+    const double everything = 100.0;
     for (const Place& place :
          {Place{"at the eye", {{0.0, 0.0, 0.0}, 30.0f}, 1.1},
           Place{"on the near plane", {{0.0, 0.0, -0.1}, 30.0f}, 1.6},
@@ -247,9 +293,14 @@ TEST_CASE("lamps in odd places and maps of 64 texels give pictures, not faults")
         for (const std::string method : {"cube_map", "dual_paraboloid", "improved_paraboloid", "skewed_paraboloid",
                                          "rectilinear_warp", "nonorthogonal_warp"}) {
             CAPTURE(method);
-            for (const double side : {64.0, 512.0}) {
-                const ErrorCount error = pooled(stage, stage.draw(method, {{"resolution", side}}));
-                MESSAGE(place.what << ", " << method << " " << side << ": " << inWords(error));
+            const bool warps = method.ends_with("_warp");
+            for (const auto& [side, paraboloids] : {std::pair{64.0, 0.0}, {512.0, 0.0}, {512.0, 1.0}}) {
+                if (paraboloids != 0.0 && !warps) continue;
+                Settings settings{{"resolution", side}};
+                if (warps) settings.push_back({"paraboloids", paraboloids});
+                const ErrorCount error = pooled(stage, stage.draw(method, settings));
+                MESSAGE(place.what << ", " << method << " " << side << (paraboloids != 0.0 ? ", paraboloids: " : ": ")
+                                   << inWords(error));
                 if (side > 64.0) CHECK(error.percent(error.wrong()) <= place.mostWrong);
             }
         }
