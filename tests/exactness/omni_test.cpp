@@ -279,14 +279,14 @@ TEST_CASE("lamps in odd places and maps of 64 texels give pictures, not faults")
         double mostWrong; // percent at 512 texels: twice the worst measured
     };
     const glm::dvec3 toOrigin = glm::transpose(axesOf(shippedScene("colonnade").camera[0])) * -eye;
-    // All that a lamp a thousand kilometres away shadows is less than a texel, or one: its answer is that of
-    // everything.
-    const double everything = 100.0;
+    // All that a lamp a thousand kilometres away shadows is less than a texel, or one. A paraboloid may have that one
+    // texel's answer everywhere.
+    const double farBehind = 30.0, everything = 100.0;
     for (const Place& place :
          {Place{"at the eye", {{0.0, 0.0, 0.0}, 30.0f}, 1.1},
           Place{"on the near plane", {{0.0, 0.0, -0.1}, 30.0f}, 1.6},
           Place{"on its edge", {{0.05, 0.0, -0.1}, 30.0f}, 2.1}, Place{"ahead", {{0.0, 0.0, -5.0}, 30.0f}, 1.2},
-          Place{"far behind", {{0.0, 0.0, 1e6}, 2e6f}, everything},
+          Place{"far behind", {{0.0, 0.0, 1e6}, 2e6f}, farBehind},
           Place{"in a caster", {toOrigin + axesOf(shippedScene("colonnade").camera[0])[1], 30.0f}, 2.9}}) {
         CAPTURE(place.what);
         Stage stage(underLamp("colonnade", place.lamp), {128, 128});
@@ -294,14 +294,16 @@ TEST_CASE("lamps in odd places and maps of 64 texels give pictures, not faults")
                                          "rectilinear_warp", "nonorthogonal_warp"}) {
             CAPTURE(method);
             const bool warps = method.ends_with("_warp");
-            for (const auto& [side, paraboloids] : {std::pair{64.0, 0.0}, {512.0, 0.0}, {512.0, 1.0}}) {
+            for (const auto& form : {std::pair{64.0, 0.0}, {512.0, 0.0}, {512.0, 1.0}}) {
+                const double side = form.first, paraboloids = form.second;
                 if (paraboloids != 0.0 && !warps) continue;
                 Settings settings{{"resolution", side}};
                 if (warps) settings.push_back({"paraboloids", paraboloids});
                 const ErrorCount error = pooled(stage, stage.draw(method, settings));
                 MESSAGE(place.what << ", " << method << " " << side << (paraboloids != 0.0 ? ", paraboloids: " : ": ")
                                    << inWords(error));
-                if (side > 64.0) CHECK(error.percent(error.wrong()) <= place.mostWrong);
+                const double most = place.mostWrong == farBehind && paraboloids != 0.0 ? everything : place.mostWrong;
+                if (side > 64.0) CHECK(error.percent(error.wrong()) <= most);
             }
         }
     }
