@@ -5,9 +5,7 @@
 
 #include "algorithms/shared/disc_resolve.hpp"
 #include "algorithms/shared/light_map.hpp"
-#include "shaders/shared_fullscreen_vert.h"
 #include "shaders/shared_map_resolve_vert.h"
-#include "shaders/shared_screen_blur_frag.h"
 
 namespace gnomon {
 
@@ -15,9 +13,8 @@ namespace {
 
 enum Setting { kResolution, kSteps };
 
-constexpr VkFormat kSeenFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
-constexpr VkFormat kOnceFormat = VK_FORMAT_R16_SFLOAT;
-constexpr VkClearValue kNotAsked{.color = {.float32 = {1.0f - gpu::NOT_ASKED, 0.0f, 1.0f, 0.0f}}};
+// The plane's cosine to the light from which on the ellipse of a penumbra does not grow longer.
+constexpr float kLeastCosine = 0.1f;
 
 std::uint32_t sideOf(const ShadowTask& task)
 {
@@ -27,34 +24,23 @@ std::uint32_t sideOf(const ShadowTask& task)
 } // namespace
 
 ScreenPenumbra::ScreenPenumbra(const AlgorithmServices& services, const ScreenPenumbraInfo& info)
-    : vk_(*services.vk), info_(info), casters_(makeDepthMapPipelines(services)), bounds_(services)
+    : vk_(*services.vk), info_(info), casters_(makeDepthMapPipelines(services)), bounds_(services),
+      blur_(services, info.rows, info.columns)
 {
-    std::array<BindingInfo, 5> bindings{};
     GraphicsPipelineInfo pipeline;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        pipeline.fragment.specialization[0] = normals;
-        pipeline.name = info.seen;
-        pipeline.vertex.code = k_shared_map_resolve_vert;
-        pipeline.fragment.specializationCount = 1;
-        pipeline.colorFormat = kSeenFormat;
+    pipeline.name = info.seen;
+    pipeline.vertex.code = k_shared_map_resolve_vert;
+    pipeline.fragment.specializationCount = 1;
+    pipeline.colorFormat = ScreenBlur::kSeenFormat;
+    for (const bool cube : {false, true}) {
+        std::array<BindingInfo, 5> bindings{};
+        std::ranges::copy(lookupBindings(cube), bindings.begin());
+        bindings[4] = {.binding = 1, .kind = BindingKind::storageBuffer};
         pipeline.bindings = bindings;
-        for (const bool cube : {false, true}) {
-            std::ranges::copy(lookupBindings(cube), bindings.begin());
-            bindings[4] = {.binding = 1, .kind = BindingKind::storageBuffer};
-            pipeline.fragment.code = info.soft[cube];
+        pipeline.fragment.code = info.soft[cube];
+        for (std::uint32_t normals = 0; normals < 2; ++normals) {
+            pipeline.fragment.specialization[0] = normals;
             seen_[cube][normals] = services.pipelines->graphics(pipeline);
-        }
-        std::ranges::copy(lookupBindings(false), bindings.begin());
-        bindings[3] = {.binding = 4, .kind = BindingKind::sampledImage, .format = kSeenFormat};
-        bindings[4] = {.binding = 5, .kind = BindingKind::sampledImage, .format = kOnceFormat};
-        pipeline.vertex.code = k_shared_fullscreen_vert;
-        pipeline.fragment.code = k_shared_screen_blur_frag;
-        pipeline.fragment.specializationCount = 2;
-        for (const bool last : {false, true}) {
-            pipeline.name = last ? info.columns : info.rows;
-            pipeline.fragment.specialization[1] = last;
-            pipeline.colorFormat = last ? VK_FORMAT_R8_UNORM : kOnceFormat;
-            blur_[normals][last] = services.pipelines->graphics(pipeline);
         }
     }
 }
@@ -78,37 +64,17 @@ void ScreenPenumbra::declareSoft(PassBuilder& passes, const ShadowTask& task)
     constants.disc = discCone(light, map.fits.front(), constants.base.map);
     constants.light = light.constants;
     constants.steps = static_cast<std::uint32_t>(task.settings[kSteps]);
+    constants.leastCosine = kLeastCosine;
     const BufferId bounds = bounds_.declare(passes, map, resolution);
-    const ImageId seen =
-        passes.transient(ImageInfo{.name = "screen_penumbra.seen", .format = kSeenFormat, .extent = task.view->extent});
+    const ImageId seen = ScreenBlur::declareSeen(passes, task);
     const LookupImages look(task, map.image);
-    LookupPass pass(passes, task, info_.seen, look, seen, kNotAsked);
+    LookupPass pass(passes, task, info_.seen, look, seen, ScreenBlur::kNotAsked);
     pass.uses.reads(bounds);
     pass.record([=, pipeline = seen_[cube][look.hasNormals], block = &constants](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *block), gpu.storage(1, bounds), gpu.sampled(2, look.depth),
                             gpu.sampled(3, look.normals), gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
     });
-    declareBlur(passes, task, seen, constants);
-}
-
-void ScreenPenumbra::declareBlur(PassBuilder& passes, const ShadowTask& task, ImageId seen,
-                                 const gpu::ScreenPenumbraConstants& constants) const
-{
-    const ImageId once =
-        passes.transient(ImageInfo{.name = "screen_penumbra.once", .format = kOnceFormat, .extent = task.view->extent});
-    const LookupImages look(task, seen);
-    const auto bindings = [=, this, block = &constants](LookupPass& pass, bool last) {
-        const ImageId source = last ? once : seen;
-        pass.record([=, pipeline = blur_[look.hasNormals][last]](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, seen), gpu.sampled(5, source)});
-        });
-    };
-    LookupPass rows(passes, task, info_.rows, look, once, kNotAsked);
-    bindings(rows, false);
-    LookupPass columns(passes, task, info_.columns, look);
-    columns.uses.samples(once);
-    bindings(columns, true);
+    blur_.declare(passes, task, seen, constants);
 }
 
 const char* ScreenPenumbra::refuses(const ShadowTask& task) const
@@ -120,8 +86,7 @@ VkDeviceSize ScreenPenumbra::memory(std::span<const double> settings, VkExtent2D
 {
     const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
     const std::uint32_t layers = mapLayers(type);
-    return depthMapMemory(resolution, layers) + DepthBounds::memory(resolution, layers) + storedImageSize(extent, 8) +
-           storedImageSize(extent, 2);
+    return depthMapMemory(resolution, layers) + DepthBounds::memory(resolution, layers) + ScreenBlur::memory(extent);
 }
 
 } // namespace gnomon

@@ -4,8 +4,7 @@
 
 #include "algorithms/shared/blocker_search.hpp"
 #include "algorithms/shared/depth_bounds.hpp"
-#include "algorithms/shared/map_resolve.hpp"
-#include "shaders/shared/screen_penumbra.h"
+#include "algorithms/shared/screen_blur.hpp"
 
 namespace gnomon {
 
@@ -30,15 +29,13 @@ private:
     /// The shadow of a light without a radius.
     virtual Map declareHard(PassBuilder& passes, const ShadowTask& task) = 0;
     void declareSoft(PassBuilder& passes, const ShadowTask& task);
-    void declareBlur(PassBuilder& passes, const ShadowTask& task, ImageId seen,
-                     const gpu::ScreenPenumbraConstants& constants) const;
 
     const DeviceTable& vk_;
     ScreenPenumbraInfo info_;
     DepthMapPipelines casters_;
     DepthBounds bounds_;
+    ScreenBlur blur_;
     PipelineId seen_[2][2]; ///< [point light][has normals]
-    PipelineId blur_[2][2]; ///< [has normals][is last]
     Map map_;
 };
 

@@ -10,6 +10,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     DiscCone disc;
     LightConstants light;
     uint steps;
+    float leastCosine;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
@@ -22,9 +23,6 @@ layout(constant_id = 1) const bool IS_LAST = false;
 #include "disc_points.glsl"
 #include "soft_surface.glsl"
 
-// The plane's cosine to the light from which on the ellipse does not grow longer.
-const float LEAST_COSINE = 0.1;
-
 // Half of the ellipse's axis that this pass goes along, metres.
 vec3 halfAxisWs(Surface surface, float halfWidth)
 {
@@ -36,7 +34,7 @@ vec3 halfAxisWs(Surface surface, float halfWidth)
         sine = max(length(across), 1e-20);
     }
     across /= sine;
-    return IS_LAST ? halfWidth / max(dot(n, toLight), LEAST_COSINE) * cross(n, across) : halfWidth * across;
+    return IS_LAST ? halfWidth / max(dot(n, toLight), leastCosine) * cross(n, across) : halfWidth * across;
 }
 
 vec2 pixelOf(vec4 clip)
@@ -66,7 +64,7 @@ float blurred(ivec2 pixel, float halfWidth, float own)
         ivec2 tap = ivec2(drawn);
         float visibility = texelFetch(onceImage, tap, 0).x;
         if (!(visibility >= 0.0)) continue; // not asked
-        float weight = sqrt(max(1.0 - at * at, 0.0)) * likeness(constants.view, surface, tap, halfWidth);
+        float weight = sqrt(max(1.0 - at * at, 0.0)) * nearness(constants.view, surface, tap, halfWidth);
         if (!(weight > 0.0)) continue; // nor is a number
         sum += weight * visibility;
         weights += weight;
@@ -78,7 +76,7 @@ void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec4 seen = texelFetch(seenImage, pixel, 0);
-    filtered = texelFetch(onceImage, pixel, 0).x;
+    filtered = IS_LAST ? texelFetch(onceImage, pixel, 0).x : seen.x;
     if (seen.y > 0.0) filtered = blurred(pixel, seen.y, filtered);
     if (IS_LAST) filtered = (filtered < 0.0 ? filtered + NOT_ASKED : filtered) * seen.z;
 }

@@ -15,8 +15,8 @@ struct ScreenPenumbraConstants {
     uvec4 hard; // what the method's own look-up is told
     DiscCone disc;
     LightConstants light;
-    uint steps; // taps to each side
-    uint padding0;
+    uint steps;        // taps to each side
+    float leastCosine; // of the plane to the light, from which on the ellipse does not grow longer; 1: a circle
     uint padding1;
     uint padding2;
 };

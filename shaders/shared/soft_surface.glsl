@@ -9,6 +9,9 @@ struct Surface {
     vec3 normalWs; // unit
     float depth;   // the depth value
     float pixelWs; // width of a pixel there, metres
+    vec4 heights;  // along the normal, from the eye: of viewRayWs() at pixel (0, 0), per pixel to the right and down, and of
+                   // rayDepthWs
+    float height;  // of the surface
 };
 
 vec3 placeWs(ViewConstants view, ivec2 pixel, float depth)
@@ -31,6 +34,10 @@ Surface surfaceAt(ViewConstants view, vec4 area, ivec2 pixel)
         vec3 ray = receiverRayWs(view, viewRayWs(view, vec2(pixel) + 0.5), surface.depth);
         surface.normalWs = seenNormal(view, area, pixel, surface.depth, ray);
     }
+    vec3 n = surface.normalWs;
+    surface.heights = vec4(dot(n, view.rayCornerWs.xyz), dot(n, view.rayDxWs.xyz), dot(n, view.rayDyWs.xyz),
+                           dot(n, view.rayDepthWs.xyz));
+    surface.height = dot(n, surface.atWs - view.eyeWs.xyz);
     return surface;
 }
 
@@ -40,16 +47,30 @@ float offPlane(Surface surface, vec3 pointWs)
     return abs(dot(surface.normalWs, pointWs - surface.atWs));
 }
 
+// offPlane() of what a pixel of the same view sees.
+float offPlaneAt(ViewConstants view, Surface surface, ivec2 pixel)
+{
+    float depth = texelFetch(depthImage, pixel, 0).x;
+    float ray = dot(surface.heights, vec4(1.0, vec2(pixel) + 0.5, depth));
+    return abs(linearDepth(view, depth) * ray - surface.height);
+}
+
+// How near what a tap sees lies to the surface's plane: 1 on it, 0 a pixel and a tenth of the filter's radius away from it.
+// radius: metres
+float nearness(ViewConstants view, Surface surface, ivec2 tap, float radius)
+{
+    return max(1.0 - offPlaneAt(view, surface, tap) / (surface.pixelWs + 0.1 * radius), 0.0);
+}
+
 // How much what a tap sees says of the surface: it lies on its plane, and faces the same way.
-// radius: of the filter, metres
 float likeness(ViewConstants view, Surface surface, ivec2 tap, float radius)
 {
-    vec3 tapWs = placeWs(view, tap, texelFetch(depthImage, tap, 0).x);
-    float weight = max(1.0 - offPlane(surface, tapWs) / (surface.pixelWs + 0.1 * radius), 0.0);
+    float weight = nearness(view, surface, tap, radius);
     if (HAS_NORMALS) {
         vec3 texel = texelFetch(normalImage, tap, 0).xyz;
-        float along = max(dot(surface.normalWs, texel / max(length(texel), 1e-20)), 0.0);
-        weight *= along * along * along * along;
+        float along = max(dot(surface.normalWs, texel), 0.0);
+        float squared = along * along / max(dot(texel, texel), 1e-20);
+        weight *= squared * squared;
     }
     return weight;
 }
