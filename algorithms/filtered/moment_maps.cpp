@@ -222,7 +222,7 @@ VkDeviceSize MomentMaps::memory(const MomentFilter& filter, std::uint32_t resolu
 
 VkDeviceSize MomentMaps::scratchBytes(const MomentFilter& filter, std::uint32_t resolution)
 {
-    return VkDeviceSize{4} * gpu::momentChannels(filter.kind) * resolution * resolution;
+    return VkDeviceSize{4} * gpu::momentChannels(filter.kind) * gpu::boxTexels(resolution);
 }
 
 VkFormat MomentMaps::format(const MomentFilter& filter)

@@ -57,7 +57,7 @@ ImageId SummedTables::declare(PassBuilder& passes, const LightMap& map, const Sh
         if (!staleLayer(passes, "moments_soft.stamp", variant, table, made)) continue;
         const BufferId sums = passes.transient(BufferInfo{.name = "moments_soft.sums",
                                                           .scope = Scope::light,
-                                                          .size = kEntryBytes * resolution * resolution,
+                                                          .size = kEntryBytes * gpu::boxTexels(resolution),
                                                           .variant = resolution});
         gpu::BoxSums* along = passes.arena().make<gpu::BoxSums>();
         along->linear = linear;
@@ -86,7 +86,7 @@ ImageId SummedTables::declare(PassBuilder& passes, const LightMap& map, const Sh
 VkDeviceSize SummedTables::memory(std::uint32_t resolution, std::uint32_t layers)
 {
     return storedImageSize({resolution, resolution}, kEntryBytes) * layers +
-           pooledSize(kEntryBytes * resolution * resolution);
+           pooledSize(kEntryBytes * gpu::boxTexels(resolution));
 }
 
 } // namespace gnomon

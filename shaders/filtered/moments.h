@@ -79,12 +79,21 @@ struct BoxSums {
 };
 GN_SHARED_SIZE(BoxSums, 48)
 
-// Where a texel lies in buffers. Rows are turned against each other by four texels: else the texels of a column would
-// be a power of two of bytes apart, and few of them fit into a cache at once.
+// Buffers hold strips of so many columns one after another: what neighbouring invocations look at along a box lies in a
+// few pages, whether the box goes along rows or columns. With whole rows a box of 31 would go through 31 pages.
+GN_SHARED_CONST uint BOX_STRIP = 8u;
+
+// Where a texel lies in buffers.
 GN_SHARED_FN uint boxTexel(BoxSums sums, uint at, uint line)
 {
     uint x = sums.columns != 0u ? line : at, y = sums.columns != 0u ? at : line;
-    return y * sums.side + (x + 4u * y) % max(sums.side, 1u);
+    return (x / BOX_STRIP * sums.side + y) * BOX_STRIP + x % BOX_STRIP;
+}
+
+// Texels of a buffer.
+GN_SHARED_FN uint boxTexels(uint side)
+{
+    return (side + BOX_STRIP - 1u) / BOX_STRIP * BOX_STRIP * side;
 }
 
 // Channels of a kind.

@@ -113,7 +113,7 @@ TEST_CASE("box means along rows and columns equal sums by brute force, whatever 
                 sums.side = side;
                 sums.box = box;
                 sums.columns = columns ? 1 : 0;
-                memory.source.resize(std::size_t{side} * side);
+                memory.source.resize(boxTexels(side));
                 for (vec4& texel : memory.source)
                     texel = vec4(random.unit(), random.unit(), -random.unit(), 1.0f);
                 filter(sums);
@@ -142,7 +142,7 @@ TEST_CASE("what is small beside e^84 in one line keeps its precision in a box me
     BoxSums sums{};
     sums.side = kSide;
     sums.box = kBox;
-    memory.source.assign(kSide * kSide, vec4(3e36f));
+    memory.source.assign(boxTexels(kSide), vec4(3e36f));
     for (uint at = 20; at < 40; ++at)
         memory.source[boxTexel(sums, at, 0)] = vec4(1.5f);
     filter(sums);
