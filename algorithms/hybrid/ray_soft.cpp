@@ -16,18 +16,23 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kRays, kFrames };
+enum Setting { kRays, kFrames, kWeighted };
 
 constexpr SettingSpec kSettings[] = {
     {"rays", "Rays a pixel and frame to points of a light with a radius.", 1, gpu::SOFT_RAYS, 1},
     {"frames", "Frames whose rays are averaged at most while nothing moves; 1: each is filtered by itself.", 1, 1024,
      256},
+    {"weighted",
+     "1: points of the light count as much as they light a diffuse surface, for hosts that multiply their own shading "
+     "of "
+     "the whole light by visibility; 0: by area.",
+     0, 1, 0},
 };
 
 // Histories are averages of hundreds of frames, and hold depth values: 16-bit floats would do for neither.
 constexpr VkFormat kHistoryFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
-constexpr VkFormat kSeenFormat = VK_FORMAT_R16G16_SFLOAT;
-constexpr VkFormat kFilteredFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+constexpr VkFormat kSeenFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
+constexpr VkFormat kFilteredFormat = kSeenFormat;
 
 // Where nothing was asked, as shaders have it: lit.
 constexpr VkClearValue kNotAsked{.color = {.float32 = {1.0f, -1.0f, 0.0f, 0.0f}}};
@@ -72,6 +77,7 @@ History openHistory(PassBuilder& passes, const ShadowTask& task)
     std::uint64_t base = mixed(mixed(kEmptyHash, passes.serial(images[0])), passes.serial(images[1]));
     for (const std::int64_t value : place)
         base = mixed(base, static_cast<std::uint64_t>(value));
+    base = mixed(base, std::uint64_t{task.settings[kWeighted] != 0.0});
     base |= 1; // 0 is: nothing is known
     const KeptParts before = passes.partsBefore(history.cameras);
     history.hasPast = before.base == base && !view.cut;
@@ -171,11 +177,14 @@ void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
     const VkExtent2D extent = task.view->extent;
     const auto rays = static_cast<std::uint32_t>(task.settings[kRays]);
     const History history = openHistory(passes, task);
-    const std::uint32_t bits = (history.hasPast ? gpu::SOFT_HAS_PAST : 0u) | (history.moved ? gpu::SOFT_MOVED : 0u);
+    const std::uint32_t bits = (history.hasPast ? gpu::SOFT_HAS_PAST : 0u) | (history.moved ? gpu::SOFT_MOVED : 0u) |
+                               (task.settings[kWeighted] != 0.0 ? gpu::SOFT_WEIGHTED : 0u);
     const gpu::RaySoftConstants constants{
         .base = rayConstants(task),
         .state = {bits, rays, history.number * rays, history.pastView},
-        .disc = {discRadius(*task.light), static_cast<float>(task.settings[kFrames]), 0.0f, 0.0f}};
+        .disc = {discRadius(*task.light), static_cast<float>(task.settings[kFrames]), 0.0f, 0.0f},
+        .sourceX = glm::vec4(task.light->sourceX, 0.0f),
+        .sourceY = glm::vec4(task.light->sourceY, 0.0f)};
     const ImageId seen = passes.transient(ImageInfo{.name = "ray_soft.seen", .format = kSeenFormat, .extent = extent});
     const Part cleared{.clear = true, .value = kNotAsked};
     trace_.declare(passes, task, constants, seen, cleared);
@@ -259,17 +268,18 @@ void RaySoft::declareBlur(PassBuilder& passes, const ShadowTask& task, const Blu
 
 VkDeviceSize softMemory(VkExtent2D extent)
 {
-    return 2 * storedImageSize(extent, 16) + storedImageSize(extent, 4) + storedImageSize(extent, 8) +
-           storedImageSize(tilesOf(extent), 8) + pooledSize(2 * sizeof(gpu::ViewConstants));
+    return 2 * storedImageSize(extent, 16) + 2 * storedImageSize(extent, 8) + storedImageSize(tilesOf(extent), 8) +
+           pooledSize(2 * sizeof(gpu::ViewConstants));
 }
 
 } // namespace
 
 constinit const AlgorithmEntry kRaySoft{
     .name = "ray_soft",
-    .source = "Cook et al. 1984; Schied et al. 2017; Zhdan 2020",
+    .source = "Cook et al. 1984; Schied et al. 2017; Heitz et al. 2018; Zhdan 2020",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT,
+              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_RECTANGLE_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
+              GN_TRAIT_DEVICE_RAYS_BIT,
     .roundTrips = 0,
     .maxRounds = 0,
     .settings = kSettings,

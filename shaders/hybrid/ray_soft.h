@@ -11,6 +11,7 @@ GN_SHARED_CONST int SOFT_TILE = 8;   // pixels along a side of a tile
 // Bits of RaySoftConstants::state.x.
 GN_SHARED_CONST uint SOFT_HAS_PAST = 1u; // the history is of this view and light
 GN_SHARED_CONST uint SOFT_MOVED = 2u;    // the light or casters have changed since
+GN_SHARED_CONST uint SOFT_WEIGHTED = 4u; // points count as they shine on a diffuse receiver, not by area
 
 // std140.
 struct RaySoftConstants {
@@ -18,9 +19,11 @@ struct RaySoftConstants {
     uvec4 state; // x: bits; y: rays a pixel; z: the sequence's first number; w: which of SoftCameras::views the history is of
     vec4 disc;   // x: radius of the light's disc over the length of the ray to its centre, 1 for directional lights; y: frames
                  // whose rays count at most
+    vec4 sourceX; // xyz: half axes of a rectangle, metres; zero: a disc
+    vec4 sourceY;
 };
 GN_SHARED_OFFSET(RaySoftConstants, state, 256)
-GN_SHARED_SIZE(RaySoftConstants, 288)
+GN_SHARED_SIZE(RaySoftConstants, 320)
 
 GN_SHARED_END
 #endif

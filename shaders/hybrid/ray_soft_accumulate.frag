@@ -14,7 +14,8 @@ layout(set = 0, binding = 7) uniform sampler2D nowImage; // of this frame alone,
 layout(set = 0, binding = 6, std430) readonly buffer SoftCameras {
     ViewConstants views[2];
 };
-// x: visibility; y: half the penumbra's width, metres, 0 not known, below it not asked; z: frames; w: the depth value
+// x: visibility; y: half the penumbra's width, metres, 0 not known, below it not asked; z: frames, by the weights of their
+// rays; w: the depth value
 layout(location = 0) out vec4 history;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
@@ -69,13 +70,14 @@ vec4 hold(vec4 past, ivec2 pixel)
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec2 now = texelFetch(seenImage, pixel, 0).xy;
-    history = vec4(now, 0.0, 0.0);
+    vec3 now = texelFetch(seenImage, pixel, 0).xyz;
+    history = vec4(now.xy, 0.0, 0.0);
     if (!(now.y >= 0.0)) return;
     Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
     vec4 past = pastOf(surface);
     if (past.z > 0.0 && (constants.state.x & SOFT_MOVED) != 0u) past = hold(past, pixel);
-    float frames = min(past.z, max(constants.disc.y - 1.0, 0.0)) + 1.0;
-    float width = now.y == 0.0 ? past.y : past.y > 0.0 ? mix(past.y, now.y, max(1.0 / frames, 0.1)) : now.y;
-    history = vec4(mix(past.x, now.x, 1.0 / frames), width, frames, surface.depth);
+    float frames = min(past.z, max(constants.disc.y - 1.0, 0.0)) + now.z;
+    float share = frames > 0.0 ? now.z / frames : 1.0;
+    float width = now.y == 0.0 ? past.y : past.y > 0.0 ? mix(past.y, now.y, max(share, 0.1)) : now.y;
+    history = vec4(mix(past.x, now.x, share), width, frames, surface.depth);
 }

@@ -10,7 +10,7 @@ layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
 layout(set = 0, binding = 4) uniform sampler2D seenImage; // history, what a first pass made of it, or what rays found
 layout(set = 0, binding = 5) uniform sampler2D tileImage;
-// x, y, z: as of history; w: how many independent pixels the mean is of. The last pass writes visibility.
+// x, y, z: as of history, z on average; w: how many independent pixels the mean is of. The last pass writes visibility.
 layout(location = 0) out vec4 seen;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 layout(constant_id = 1) const bool IS_LAST = false;
@@ -41,19 +41,25 @@ float widthAround(ivec2 pixel)
     return least < most && count > 0.0 ? sum / count : 0.0;
 }
 
-// Mean of taps on the surface's own plane, in a spiral (H. Vogel 1979) that each pixel turns by an angle of its own; and of how
-// many it is, were they of one weight.
-vec2 blurred(ivec2 pixel, vec4 own, float radius)
+// What the rays of a pixel count: all the same, or by how much they light it.
+float weightOf(vec4 found) { return (constants.state.x & SOFT_WEIGHTED) != 0u ? found.z : 1.0; }
+
+// Mean of taps on the surface's own plane, in a spiral (H. Vogel 1979) that each pixel turns by an angle of its own; the mean of
+// their z; and of how many it is, were they of one weight. With weights, sums of light that arrives are divided by sums of light
+// that would: the ratio of E. Heitz, S. Hill and M. McGuire, "Combining analytic direct illumination and stochastic shadows"
+// (I3D 2018).
+vec3 blurred(ivec2 pixel, vec4 own, float radius)
 {
     Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
     vec3 n = surface.normalWs;
     vec3 across = abs(n.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
     vec3 x = normalize(cross(n, across)), y = cross(n, x);
     radius = min(radius, MOST_PIXELS * surface.pixelWs);
-    if (!(radius > 0.5 * surface.pixelWs)) return vec2(own.x, 1.0); // every tap is the pixel itself
+    if (!(radius > 0.5 * surface.pixelWs)) return vec3(own.xz, 1.0); // every tap is the pixel itself
     uvec2 turn = uvec2(pixel) * uvec2(0xdb4f0b91u, 0xbbe05633u); // as squarePoint() of ray_soft_trace.frag
     float angle = float((turn.x + turn.y) >> 8) * (6.2831853 / 16777216.0) + (IS_LAST ? 0.5 * GOLDEN_ANGLE : 0.0);
-    float sum = own.x, weights = 1.0, squares = 1.0;
+    float ownWeight = weightOf(own);
+    float sum = ownWeight * own.x, weights = ownWeight, squares = ownWeight * ownWeight, frames = own.z, taps = 1.0;
     for (int i = 0; i < TAPS; ++i) {
         float out_ = sqrt((float(i) + 0.5) / float(TAPS));
         vec2 at = out_ * radius * vec2(cos(angle + float(i) * GOLDEN_ANGLE), sin(angle + float(i) * GOLDEN_ANGLE));
@@ -63,11 +69,15 @@ vec2 blurred(ivec2 pixel, vec4 own, float radius)
         if (!(tap.y >= 0.0)) continue; // not asked
         float weight = exp(-1.5 * out_ * out_) * likeness(constants.base.view, surface, ivec2(drawn), radius);
         if (!(weight > 0.0)) continue; // nor is a number
+        taps += weight;
+        frames += weight * tap.z;
+        weight *= weightOf(tap);
         sum += weight * tap.x;
         weights += weight;
         squares += weight * weight;
     }
-    return vec2(sum / weights, weights * weights / squares);
+    if (!(weights > 0.0)) return vec3(own.xz, 1.0);
+    return vec3(sum / weights, frames / taps, weights * weights / squares);
 }
 
 void main()
@@ -80,5 +90,5 @@ void main()
     if (!(around > 0.0)) return;
     float rays = own.z * float(clamp(constants.state.y, 1u, SOFT_RAYS));
     float radius = REACH * (own.y > 0.0 ? own.y : around) * min(1.0, sqrt(FEW_RAYS / max(rays, 1.0)));
-    seen.xw = blurred(pixel, own, radius);
+    seen.xzw = blurred(pixel, own, radius);
 }

@@ -19,8 +19,8 @@ void main()
     for (int i = 0; i < TILE_PIXELS; ++i) {
         ivec2 pixel = first + ivec2(i % SOFT_TILE, i / SOFT_TILE);
         if (any(lessThan(vec2(pixel), area.xy)) || any(greaterThanEqual(vec2(pixel), area.xy + area.zw))) continue;
-        vec2 seen = texelFetch(seenImage, pixel, 0).xy;
-        if (!(seen.y >= 0.0)) continue; // not asked
+        vec3 seen = texelFetch(seenImage, pixel, 0).xyz;
+        if (!(seen.y >= 0.0) || !(seen.z > 0.0)) continue; // not asked, or points below the horizon
         least = min(least, seen.x);
         most = max(most, seen.x);
         if (seen.y == 0.0) continue;

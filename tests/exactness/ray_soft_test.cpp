@@ -217,6 +217,119 @@ TEST_CASE("behind a caster that moves no shadow stays")
     }
 }
 
+namespace {
+
+/// What a diffuse receiver gets of a rectangle, but for factors of its own: by elements of its surface, as a host's own
+/// shading has it, and what of that is seen.
+struct Irradiance {
+    double whole = 0.0, seen = 0.0;
+};
+
+/// From 16 x 16 parts of the rectangle, at their centres, each as bright as the cosines at both ends and the distance
+/// say. \param normal unit
+Irradiance irradianceOf(const brute::Scene& casters, const glm::dvec3& from, const glm::dvec3& normal,
+                        const demo::Light& light)
+{
+    constexpr int kSide = 16;
+    const RectangleAxes axes = rectangleAxes(light);
+    const glm::dvec3 facing = glm::normalize(light.direction);
+    Irradiance sum;
+    for (int i = 0; i < kSide * kSide; ++i) {
+        const double u = (i % kSide + 0.5) * 2.0 / kSide - 1.0, v = (i / kSide + 0.5) * 2.0 / kSide - 1.0;
+        const glm::dvec3 way = light.position + u * axes.x + v * axes.y - from;
+        const double squared = glm::dot(way, way),
+                     part = 4.0 * glm::length(axes.x) * glm::length(axes.y) / (kSide * kSide);
+        const double shines =
+            part * std::max(glm::dot(normal, way), 0.0) * -glm::dot(facing, way) / (squared * squared);
+        sum.whole += shines;
+        if (shines > 0.0 && !casters.blocked(from, way, 1.0)) sum.seen += shines;
+    }
+    return sum;
+}
+
+/// The same without casters in closed form: the polygon's part above the horizon, and Lambert's sum over its edges.
+/// Source: E. Heitz, J. Dupuy, S. Hill and D. Neubelt, "Real-time polygonal-light shading with linearly transformed
+/// cosines", ACM Transactions on Graphics 35(4), 2016, 4.
+double lambertIrradiance(const glm::dvec3& from, const glm::dvec3& normal, const demo::Light& light)
+{
+    const RectangleAxes axes = rectangleAxes(light);
+    std::vector<glm::dvec3> above;
+    const glm::dvec3 centre = light.position - from;
+    const glm::dvec3 corners[] = {centre - axes.x - axes.y, centre + axes.x - axes.y, centre + axes.x + axes.y,
+                                  centre - axes.x + axes.y};
+    for (int i = 0; i < 4; ++i) {
+        const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % 4];
+        const double highA = glm::dot(normal, a), highB = glm::dot(normal, b);
+        if (highA > 0.0) above.push_back(a);
+        if ((highA > 0.0) != (highB > 0.0)) above.push_back(glm::mix(a, b, highA / (highA - highB)));
+    }
+    double sum = 0.0;
+    for (size_t i = 0; i < above.size(); ++i) {
+        const glm::dvec3 a = glm::normalize(above[i]), b = glm::normalize(above[(i + 1) % above.size()]);
+        const glm::dvec3 across = glm::cross(a, b);
+        const double sine = glm::length(across);
+        if (sine > 0.0) sum += std::atan2(sine, glm::dot(a, b)) * glm::dot(normal, across) / sine;
+    }
+    return 0.5 * std::abs(sum);
+}
+
+/// Visibility by what is seen of the irradiance, of the first light.
+SoftTruth weightedTruth(const Stage& stage)
+{
+    const brute::Scene casters(bruteTriangles(stage));
+    const brute::View view = bruteView(stage);
+    const brute::Light light = bruteLight(stage, 0);
+    SoftTruth truth;
+    Rmse ofClosedForm;
+    for (uint32_t y = 0; y < kSize.height; ++y) {
+        for (uint32_t x = 0; x < kSize.width; ++x) {
+            const glm::dvec3 normal = glm::normalize(drawnNormal(stage, x, y));
+            const brute::Answer answer =
+                brute::answerAt(view, light, casters, int(x), int(y), *stage.surfaces.depth.at(x, y), normal);
+            const bool asked = answer.state == brute::State::asked && !answer.grazing;
+            truth.asked.push_back(asked);
+            truth.visibility.push_back(answer.lit);
+            if (!asked) continue;
+            const glm::dvec3 from = answer.receiver + normal * answer.offset;
+            const Irradiance sum = irradianceOf(casters, from, normal, stage.scene().lights[0]);
+            const double whole = lambertIrradiance(from, normal, stage.scene().lights[0]);
+            ofClosedForm.add(sum.whole / whole - 1.0);
+            truth.visibility.back() = sum.seen / sum.whole;
+        }
+    }
+    CHECK(ofClosedForm.value() < 0.01);
+    return truth;
+}
+
+} // namespace
+
+// Against each truth after 64 frames of one ray. The truths are far apart where a part of the rectangle is below the
+// horizon: by area it counts as hidden.
+TEST_CASE("weighted rays see of a rectangle what multiplies its unshadowed light to what arrives")
+{
+    const test::DeviceTest silence;
+    Stage stage(shippedScene("views/still_life"), kSize);
+    if (!canTrace(stage)) return;
+    const SoftTruth weighted = weightedTruth(stage), byArea = softTruths(stage)[0];
+    for (const bool isWeighted : {false, true}) {
+        const Settings settings = {{"rays", 1.0}, {"weighted", double(isWeighted)}};
+        Image8 picture;
+        for (int i = 0; i < 64; ++i)
+            picture = stage.draw(kSoft, settings)[0];
+        dump(isWeighted ? "still life, weighted" : "still life", picture);
+        const SoftError own = compareSoft(picture, isWeighted ? weighted : byArea);
+        const SoftError other = compareSoft(picture, isWeighted ? byArea : weighted);
+        MESSAGE(std::string(isWeighted ? "weighted" : "by area")
+                << ": RMSE in the penumbra " << own.penumbra.rmse() << " over " << own.penumbra.pixels << ", outside "
+                << own.outside.rmse() << "; against the other truth " << other.penumbra.rmse() << ", "
+                << other.outside.rmse());
+        CHECK(own.penumbra.pixels > 300);
+        CHECK(own.penumbra.rmse() < 0.02);
+        CHECK(own.outside.rmse() < 0.02);
+        CHECK(other.penumbra.rmse() > 1.5 * own.penumbra.rmse());
+    }
+}
+
 TEST_CASE("a camera that moves keeps what it has seen of the same places")
 {
     const test::DeviceTest silence;
