@@ -17,6 +17,10 @@ namespace gnomon {
 namespace {
 
 constexpr VkFormat kStateFormat = VK_FORMAT_R8_UNORM;
+/// Taps of the mean to each side: 15 x 15 (Macedo 2018, 4.3).
+constexpr std::uint32_t kMeanSteps = 7;
+/// Of an ellipse about the light's direction, as screen_penumbra has it; a ramp of one width has a circle.
+constexpr float kLeastCosine = 0.1f;
 constexpr BindingInfo kStates{.binding = 5, .kind = BindingKind::sampledImage, .format = kStateFormat};
 
 /// Full-screen pipelines with and without normals.
@@ -45,7 +49,7 @@ DistancePenumbra::DistancePenumbra(const AlgorithmServices& services)
     : vk_(*services.vk), casters_(makeDepthMapPipelines(services)),
       hard_{{services, {.name = "distance.hard", .fragment = k_revectorized_distance_hard_frag}},
             {services, {.name = "distance.hard", .fragment = k_revectorized_distance_hard_cube_frag, .layers = true}}},
-      transform_(services)
+      transform_(services), mean_(services, "distance.mean_rows", "distance.mean_columns")
 {
     for (const bool point : {false, true}) {
         const std::array look = lookupBindings(point);
@@ -68,16 +72,17 @@ DistancePenumbra::DistancePenumbra(const AlgorithmServices& services)
                                  kStates,
                                  BindingInfo{.binding = 6, .kind = BindingKind::sampledImage, .format = kSeedFormat},
                                  BindingInfo{.binding = 7, .kind = BindingKind::storageBuffer}};
-    makePipelines(services,
-                  {.name = "distance.ramp",
-                   .fragment = {.code = k_revectorized_distance_resolve_frag},
-                   .bindings = bindings,
-                   .colorFormat = VK_FORMAT_R8_UNORM},
-                  ramp_);
+    for (const bool mean : {false, true})
+        makePipelines(services,
+                      {.name = "distance.ramp",
+                       .fragment = {.code = k_revectorized_distance_resolve_frag},
+                       .bindings = bindings,
+                       .colorFormat = mean ? ScreenBlur::kSeenFormat : VK_FORMAT_R8_UNORM},
+                      ramp_[mean]);
 }
 
-ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const ShadowTask& task, float width, float disc,
-                                               std::uint32_t show) const
+ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const ShadowTask& task,
+                                               const DistanceRamp& ramp) const
 {
     const auto resolution = static_cast<std::uint32_t>(task.settings[0]);
     const bool point = task.light->type == GN_LIGHT_TYPE_POINT;
@@ -85,7 +90,7 @@ ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const Shadow
     const LightMap map = declareLightMap(passes, casters_, task, resolution, base,
                                          lineBorder(*task.light, resolution, {.longest = gpu::LONGEST_STAIR}));
     const ShadowAlgorithm::Map handed = handedOut(map.image, map.fits, map.needed, base);
-    if (width <= 0.0f && disc <= 0.0f) {
+    if (ramp.width <= 0.0f && ramp.disc <= 0.0f) {
         hard_[point].declare(passes, task, map.image, base, false);
         return handed;
     }
@@ -93,9 +98,10 @@ ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const Shadow
     const gpu::DistanceConstants constants{
         .base = base,
         .rect = glm::uvec4(pixels.offset.x, pixels.offset.y, pixels.extent.width, pixels.extent.height),
-        .width = width,
-        .disc = disc,
-        .show = show};
+        .width = ramp.width,
+        .disc = ramp.disc,
+        .show = ramp.show,
+        .mean = ramp.show == gpu::SHOW_VISIBILITY ? ramp.mean : 0.0f};
     // Of the view: lights take their turns with them.
     ImageInfo image{
         .name = "distance.states", .scope = Scope::view, .format = kStateFormat, .extent = task.view->extent};
@@ -128,13 +134,23 @@ void DistancePenumbra::declareRamp(PassBuilder& passes, const ShadowTask& task, 
                                    const gpu::DistanceConstants& constants) const
 {
     const LookupImages look(task, images.states);
-    const PipelineId pipeline = ramp_[look.hasNormals];
-    LookupPass pass(passes, task, "distance.ramp", look);
+    const bool mean = constants.mean > 0.0f;
+    const PipelineId pipeline = ramp_[mean][look.hasNormals];
+    const ImageId seen = mean ? ScreenBlur::declareSeen(passes, task) : ImageId{};
+    LookupPass pass = mean ? LookupPass(passes, task, "distance.ramp", look, seen, ScreenBlur::kNotAsked)
+                           : LookupPass(passes, task, "distance.ramp", look);
     pass.uses.samples(images.seeds).reads(images.sites);
     pass.record([=, block = passes.arena().make(constants)](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                             gpu.sampled(5, images.states), gpu.sampled(6, images.seeds), gpu.storage(7, images.sites)});
     });
+    if (!mean) return;
+    auto* const block = passes.arena().make<gpu::ScreenPenumbraConstants>();
+    block->base = constants.base;
+    block->light = task.light->constants;
+    block->steps = kMeanSteps;
+    block->leastCosine = constants.width > 0.0f ? 1.0f : kLeastCosine;
+    mean_.declare(passes, task, seen, *block);
 }
 
 const char* DistancePenumbra::refuses(const ShadowTask& task) const
@@ -147,10 +163,10 @@ const char* DistancePenumbra::refuses(const ShadowTask& task) const
     return nullptr;
 }
 
-VkDeviceSize DistancePenumbra::memory(std::uint32_t resolution, VkExtent2D extent, GnLightType type)
+VkDeviceSize DistancePenumbra::memory(std::uint32_t resolution, VkExtent2D extent, GnLightType type, double mean)
 {
     return depthMapMemory(resolution, mapLayers(type)) + storedImageSize(extent, 1) + storedImageSize(extent, 4) +
-           DistanceTransform::memory(extent);
+           DistanceTransform::memory(extent) + (mean > 0.0 ? ScreenBlur::memory(extent) : 0);
 }
 
 } // namespace gnomon

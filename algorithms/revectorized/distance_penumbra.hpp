@@ -2,29 +2,32 @@
 // Penumbrae from distances to the edges of a hard shadow on the screen: what edt and edt_soft have in common.
 #include "algorithms/revectorized/distance_transform.hpp"
 #include "algorithms/shared/light_map.hpp"
-#include "algorithms/shared/map_resolve.hpp"
+#include "algorithms/shared/screen_blur.hpp"
 #include "shaders/revectorized/distance.h"
 
 namespace gnomon {
+
+/// What penumbrae look like.
+struct DistanceRamp {
+    float width = 0.0f;     ///< Metres.
+    float disc = 0.0f;      ///< Half width of the light's disc, as discRadius() has it, which makes the width where
+                            ///< `width` is 0. With neither the shadow is hard.
+    std::uint32_t show = 0; ///< Of DistanceConstants.
+    float mean = 0.0f;      ///< Of DistanceConstants.
+};
 
 class DistancePenumbra {
 public:
     explicit DistancePenumbra(const AlgorithmServices& services);
 
-    /// Draws the map and turns it into visibility.
-    /// @param width of penumbrae, metres
-    /// @param disc  half width of the light's disc, as discRadius() has it, which makes the width where `width` is 0.
-    ///              With neither the shadow is hard.
-    /// @param show  of DistanceConstants
-    /// @return what hosts may look up
-    ShadowAlgorithm::Map declare(PassBuilder& passes, const ShadowTask& task, float width, float disc,
-                                 std::uint32_t show) const;
+    /// Draws the map and turns it into visibility. @return what hosts may look up
+    ShadowAlgorithm::Map declare(PassBuilder& passes, const ShadowTask& task, const DistanceRamp& ramp) const;
 
     /// Why a view is too large, or null.
     const char* refuses(const ShadowTask& task) const;
 
     /// Device bytes.
-    static VkDeviceSize memory(std::uint32_t resolution, VkExtent2D extent, GnLightType type);
+    static VkDeviceSize memory(std::uint32_t resolution, VkExtent2D extent, GnLightType type, double mean);
 
 private:
     struct Images {
@@ -40,16 +43,18 @@ private:
     DepthMapPipelines casters_;
     MapResolve hard_[2]; ///< [point light]; filtered: states
     DistanceTransform transform_;
+    ScreenBlur mean_;
     PipelineId seeds_[2][2]; ///< [point light][has normals]
-    PipelineId ramp_[2];     ///< [has normals]
+    PipelineId ramp_[2][2];  ///< [a mean is taken][has normals]
 };
 
 /// Settings of both.
 inline constexpr SettingSpec kShowSetting = {
     "show",
     "0: visibility. For tests, by the bytes of shaders/revectorized/distance.h, 1: edges, 2 and 3: column and row of "
-    "the "
-    "nearest edge.",
+    "the nearest edge.",
     0, 3, 0};
+inline constexpr SettingSpec kMeanSetting = {
+    "mean", "Width of the mean that smooths creases of the ramp, over the ramp's; 0: none.", 0, 1, 0};
 
 } // namespace gnomon

@@ -6,12 +6,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kPenumbra, kShow };
+enum Setting { kResolution, kPenumbra, kShow, kMean };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
     {"penumbra", "Width of the ramp, metres; 0: none, the picture of rbsm.", 0, 100, 0.1},
     kShowSetting,
+    kMeanSetting,
 };
 
 class Edt final : public ShadowAlgorithm {
@@ -20,8 +21,10 @@ public:
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        map_ = penumbra_.declare(passes, task, static_cast<float>(task.settings[kPenumbra]), 0.0f,
-                                 static_cast<std::uint32_t>(task.settings[kShow]));
+        map_ = penumbra_.declare(passes, task,
+                                 {.width = static_cast<float>(task.settings[kPenumbra]),
+                                  .show = static_cast<std::uint32_t>(task.settings[kShow]),
+                                  .mean = static_cast<float>(task.settings[kMean])});
     }
 
     const char* refuses(const ShadowTask& task) const override { return penumbra_.refuses(task); }
@@ -44,7 +47,8 @@ constinit const AlgorithmEntry kEdt{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
-            return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type);
+            return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type,
+                                            settings[kMean]);
         },
     .missing = nullptr,
     .create = makeAlgorithm<Edt>,

@@ -7,11 +7,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kShow };
+enum Setting { kResolution, kShow, kMean };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
     kShowSetting,
+    kMeanSetting,
 };
 
 class EdtSoft final : public ShadowAlgorithm {
@@ -20,8 +21,10 @@ public:
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
-        map_ = penumbra_.declare(passes, task, 0.0f, discRadius(*task.light),
-                                 static_cast<std::uint32_t>(task.settings[kShow]));
+        map_ = penumbra_.declare(passes, task,
+                                 {.disc = discRadius(*task.light),
+                                  .show = static_cast<std::uint32_t>(task.settings[kShow]),
+                                  .mean = static_cast<float>(task.settings[kMean])});
     }
 
     const char* refuses(const ShadowTask& task) const override
@@ -48,7 +51,8 @@ constinit const AlgorithmEntry kEdtSoft{
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
-            return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type);
+            return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type,
+                                            settings[kMean]);
         },
     .missing = nullptr,
     .create = makeAlgorithm<EdtSoft>,

@@ -28,7 +28,7 @@ struct DistanceConstants {
     float width; // of penumbrae, metres; 0: by the depths of what casts the shadow
     float disc;  // half width of the light's disc, metres; directional: over the distance
     uint show;   // SHOW_*
-    uint padding;
+    float mean;  // width of the mean that is taken of the ramp, over the penumbra's; 0: none
 };
 GN_SHARED_OFFSET(DistanceConstants, rect, 416)
 GN_SHARED_SIZE(DistanceConstants, 448)

@@ -1,6 +1,6 @@
 #version 460
 // Visibility from the distance to the nearest edge of the hard shadow: a half at the edge, and 0 and 1 half a penumbra
-// away from it (Macedo 2018, Eqs 4.3 and 5.3, of a straight ramp).
+// away from it (Macedo 2018, Eqs 4.3 and 5.3, of a straight ramp). And how wide a mean is taken of it, for screen_blur.frag.
 #extension GL_GOOGLE_include_directive : require
 #include "distance.h"
 
@@ -10,6 +10,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     float width;
     float disc;
     uint show;
+    float mean;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
@@ -17,7 +18,8 @@ layout(set = 0, binding = 5) uniform sampler2D states;
 layout(set = 0, binding = 6) uniform sampler2D seeds;
 layout(set = 0, binding = 7, std430) readonly buffer Sites { uint sites[]; };
 layout(location = 0) noperspective in vec3 rayWs;
-layout(location = 0) out float visibility;
+// x: visibility; y: half the mean's width, metres, 0: x is the answer; z: 1.
+layout(location = 0) out vec4 seen;
 
 #include "../shared/map_receiver.glsl"
 #include "distance_seen.glsl"
@@ -92,19 +94,21 @@ float shareSeen(float widths)
 // Width of the penumbra at a seed, metres.
 float widthAt(ivec2 site) { return texelFetch(seeds, site, 0).x; }
 
-// first: the nearest seed on the screen.
-float rampAt(ivec2 pixel, bool lit, ivec2 first)
+// x and y of `seen`. A mean is taken as far as it reaches the ramp. first: the nearest seed on the screen.
+vec2 rampAt(ivec2 pixel, bool lit, ivec2 first)
 {
+    float ends = 0.5 + 0.5 * mean; // of what the ramp changes, widths from the edge
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     vec3 along = normalize(constants.map.positional != 0.0 ? r.fromLight : constants.map.axisWs.xyz);
     Query query = Query(pixel, seenAt(pixel), width > 0.0 ? vec3(0.0) : along);
     // So far away is what is seen so many pixels away, at least, with a margin of two for slanted views.
     float least = 0.5 * (length(vec2(first - pixel)) - 1.0) * min(query.seen.pixelWs, seenAt(first).pixelWs) *
                   (width > 0.0 ? 1.0 : abs(dot(query.seen.normalWs, along)));
-    if (2.0 * least > widthAt(first)) return lit ? 1.0 : 0.0;
+    if (least > ends * widthAt(first)) return vec2(lit ? 1.0 : 0.0, 0.0);
     Edge edge = nearestEdge(query, first);
-    float widths = min(edge.distance / max(widthAt(edge.site), 1e-6), 0.5);
-    return shareSeen(lit ? widths : -widths);
+    float full = max(widthAt(edge.site), 1e-6);
+    float widths = min(edge.distance / full, 0.5);
+    return vec2(shareSeen(lit ? widths : -widths), edge.distance < ends * full ? 0.5 * mean * full : 0.0);
 }
 
 void main()
@@ -113,10 +117,10 @@ void main()
     float state = stateAt(pixel);
     bool lit = isLit(state);
     ivec2 first = siteOf(pixel);
-    visibility = lit ? 1.0 : 0.0;
-    if (isAsked(state) && first.x >= 0) visibility = rampAt(pixel, lit, first);
+    seen = vec4(lit ? 1.0 : 0.0, 0.0, 1.0, 0.0);
+    if (isAsked(state) && first.x >= 0) seen.xy = rampAt(pixel, lit, first);
     ivec2 place = first - ivec2(rect.xy) + 1;
-    if (show == SHOW_SEEDS) visibility = texelFetch(seeds, pixel, 0).x > 0.0 ? 1.0 : 0.0;
-    if (show == SHOW_COLUMNS) visibility = first.x < 0 ? 0.0 : float(place.x) / 255.0;
-    if (show == SHOW_ROWS) visibility = first.x < 0 ? 0.0 : float(place.y) / 255.0;
+    if (show == SHOW_SEEDS) seen.x = texelFetch(seeds, pixel, 0).x > 0.0 ? 1.0 : 0.0;
+    if (show == SHOW_COLUMNS) seen.x = first.x < 0 ? 0.0 : float(place.x) / 255.0;
+    if (show == SHOW_ROWS) seen.x = first.x < 0 ? 0.0 : float(place.y) / 255.0;
 }

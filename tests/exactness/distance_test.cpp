@@ -118,6 +118,53 @@ TEST_CASE("a ramp's width is the setting's, from near and from four times as far
     }
 }
 
+namespace {
+
+/// A floor, and over it a bar whose shadow is narrower than half the ramp.
+Scene barScene()
+{
+    Scene scene = halfPlane(LightKind::Directional, 1.0, 0.0f);
+    scene.instances.pop_back();
+    place(scene, "bar", demo::makeBox({.size = glm::vec3(6.0f, 0.02f, 0.12f)}), {0.0, 0.6, 0.0});
+    scene.lights[0].direction = {0.0, -1.0, 0.0};
+    scene.camera = {{.eye = {0.0, 2.5, 2.2}, .target = {0.0, 0.0, 0.0}}}; // the bar hides what lies beyond the ramp
+    return scene;
+}
+
+/// Largest second difference, a step being a pixel, across the middle of the bar's shadow: of 4 pixels to each side.
+double sharpestCrease(const Image8& picture)
+{
+    int most = 0;
+    for (uint32_t y = picture.height / 2 - 4; y < picture.height / 2 + 4; ++y)
+        for (uint32_t x = picture.width / 4; x < picture.width * 3 / 4; ++x)
+            most = std::max(most, std::abs(*picture.at(x, y - 1) - 2 * *picture.at(x, y) + *picture.at(x, y + 1)));
+    return most;
+}
+
+} // namespace
+
+TEST_CASE("the mean takes two thirds of the crease away along a narrow shadow's middle, and keeps a ramp's width")
+{
+    const test::DeviceTest silence;
+    Stage bar(barScene(), {160, 120});
+    const auto draw = [&](double mean) {
+        return bar.draw(kFixed, {{"resolution", 2048.0}, {"penumbra", 0.5}, {"mean", mean}})[0];
+    };
+    const double plain = sharpestCrease(draw(0.0)), smooth = sharpestCrease(draw(1.0));
+    MESSAGE("largest second difference " << plain << ", of the mean " << smooth);
+    CHECK(plain >= 12);
+    CHECK(3.0 * smooth <= plain);
+
+    constexpr double kWidth = 0.4;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point}) {
+        Stage stage(seenFrom(halfPlane(kind, 1.0, 0.0f), 2.0), {200, 150});
+        const Settings settings = {{"resolution", 2048.0}, {"penumbra", kWidth}, {"mean", 0.5}};
+        const double width = widthOnFloor(stage, stage.draw(kFixed, settings)[0]);
+        MESSAGE(std::string(demo::nameOf(kind)) << ": 10 to 90 % in " << width << " m of " << kWidth);
+        CHECK(std::abs(width - 0.8 * kWidth) <= 0.08 * kWidth);
+    }
+}
+
 TEST_CASE("penumbrae of edt_soft grow in proportion to the gap, and are as wide as traced ones")
 {
     const test::DeviceTest silence;
@@ -155,7 +202,7 @@ TEST_CASE("without a penumbra both have the picture of rbsm")
 
 // The card hangs beside the sheet's shadow, nearer to the eye than half the ramp is wide: by distance alone the edge on
 // the floor would darken it.
-TEST_CASE("a ramp on the floor does not darken what hangs before it in the light")
+TEST_CASE("a ramp on the floor, or the mean of it, does not darken what hangs before it in the light")
 {
     const test::DeviceTest silence;
     for (const LightKind kind : {LightKind::Spot, LightKind::Directional}) {
@@ -166,6 +213,7 @@ TEST_CASE("a ramp on the floor does not darken what hangs before it in the light
         const brute::Light light = bruteLight(stage, 0);
         const brute::Scene casters(bruteTriangles(stage));
         const Image8 picture = stage.draw(kFixed, {{"resolution", 2048.0}, {"penumbra", 1.0}})[0];
+        const Image8 smooth = stage.draw(kFixed, {{"resolution", 2048.0}, {"penumbra", 1.0}, {"mean", 0.5}})[0];
         uint64_t card = 0, dark = 0, ramp = 0;
         for (uint32_t y = 0; y < 120; ++y) {
             for (uint32_t x = 0; x < 160; ++x) {
@@ -175,7 +223,7 @@ TEST_CASE("a ramp on the floor does not darken what hangs before it in the light
                 ramp += seen > 0 && seen < 255;
                 if (answer.state != brute::State::asked || std::abs(answer.receiver.y - 0.26) > 0.005) continue;
                 ++card;
-                dark += seen != 255;
+                dark += seen != 255 || *smooth.at(x, y) != 255;
             }
         }
         MESSAGE(std::string(demo::nameOf(kind)) << ": " << card << " pixels of the card, " << dark << " darkened");
