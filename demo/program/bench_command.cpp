@@ -3,8 +3,10 @@
 #include <cstdio>
 
 #include "demo/host/pin_thread.hpp"
+#include "demo/io/file.hpp"
 #include "demo/program/bench_scene.hpp"
 #include "demo/program/checks.hpp"
+#include "demo/report/sections.hpp"
 #include "demo/scene/scene_file.hpp"
 
 namespace gnomon::demo {
@@ -121,6 +123,19 @@ void requireMeaning(const std::vector<SettingChoice>& choices, const BenchOption
             throw HostError("--map sets '" + choice.name + "' already; it cannot be in --set, too");
 }
 
+Benched::Row plottedRow(const BenchRow& row, const char* device)
+{
+    const bool soft = row.soft.penumbra.pixels > 0;
+    return {.scene = row.scene,
+            .method = row.method,
+            .map = row.map > 0 ? std::to_string(row.map) : "",
+            .device = device,
+            .ms = incrementMs(row),
+            .error = soft ? row.soft.penumbra.rmse() : row.errors.percent(row.errors.wrong()),
+            .memoryMib = row.memoryMib,
+            .soft = soft};
+}
+
 } // namespace
 
 int benchCommand(const BenchOptions& options)
@@ -132,6 +147,7 @@ int benchCommand(const BenchOptions& options)
     requireMeaning(choices, options);
     requireScenes(options.scenes);
     requireWritable(options.csv);
+    requireWritable(options.plot);
     if (!options.aliasing.empty()) requireWritableFolder(options.aliasing);
     const std::vector<uint32_t> maps = valueOf(parseCounts(options.maps, 16, 16384));
     std::vector<uint32_t> lightCounts = valueOf(parseCounts(options.lights, 1, 32));
@@ -151,11 +167,13 @@ int benchCommand(const BenchOptions& options)
         throw HostError("none of the methods asked for can be measured here");
 
     CsvWriter csv(benchColumns());
+    Benched measured;
     const auto keep = [&](const BenchRow& row) {
         printRow(row);
         addCells(csv, row, *device);
         csv.endRow();
         if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later shall not take it along
+        if (row.hasErrors) measured.rows.push_back(plottedRow(row, device->properties.deviceName));
     };
     for (const Job& job : jobs) {
         SceneBench bench(*device, job.scene, options, choices);
@@ -167,6 +185,7 @@ int benchCommand(const BenchOptions& options)
                 keep(bench.method(method.name, method.traits, map));
     }
     if (options.csv.empty()) std::printf("%s", csv.text().c_str());
+    if (!options.plot.empty()) expect(writeFile(options.plot, errorPicture(measured)));
     requireSilence(*device);
     return 0;
 }

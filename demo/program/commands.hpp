@@ -38,7 +38,7 @@ struct SourceSizes {
 
 struct BenchOptions {
     std::vector<std::string> scenes;
-    std::string methods, lights, maps, settings, size, csv;
+    std::string methods, lights, maps, settings, size, csv, plot;
     std::vector<std::string> plugins; ///< Paths; their methods are measured beside the others.
     std::string light;                ///< Names: only these of the lights; empty: all.
     SourceSizes sources;

@@ -97,6 +97,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
         ->check(CLI::Range(1, 1 << 20));
     bench->add_option("--plugin", options.plugins, "measure the methods of this plug-in too; may be repeated");
     bench->add_option("--csv", options.csv, "write the table here instead of printing it");
+    bench->add_option("--plot", options.plot, "draw error against time of each scene into this SVG file");
     bench->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows; methods with round trips are skipped");
     bench->add_flag("--passes", options.passes, "print the fastest time of every pass, from frames with full barriers");
     bench->add_option("--aliasing", options.aliasing, "write pictures of each map's aliasing into this folder");

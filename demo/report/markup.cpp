@@ -214,6 +214,24 @@ std::string SvgChart::svg() const
            "\">" + body_ + "</svg>\n";
 }
 
+std::string svgPicture(std::span<const std::pair<std::string, SvgChart>> charts)
+{
+    constexpr double kTitle = 30.0;
+    std::string body;
+    double width = 0.0, height = 0.0;
+    for (const auto& [title, chart] : charts) {
+        body += "<text class=\"title\"" + attribute("x", kLeft) + attribute("y", height + 20.0) + ">" + escaped(title) +
+                "</text><g transform=\"translate(0 " + fixed(height + kTitle, 0) + ")\">" + chart.body() + "</g>\n";
+        height += kTitle + chart.height();
+        width = std::max(width, chart.width());
+    }
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + fixed(width, 0) + " " + fixed(height, 0) +
+           "\" font-family=\"sans-serif\"><style>.grid{stroke:#e3e6ea;fill:none}.tick{font-size:11px;fill:#59636e}"
+           ".axis{font-size:12px;fill:#1c2128}.title{font-size:14px;font-weight:bold;fill:#1c2128}</style>"
+           "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
+           body + "</svg>\n";
+}
+
 std::string legend(std::span<const std::pair<std::string, Rgb8>> entries)
 {
     std::string out = "<p class=\"legend\">";

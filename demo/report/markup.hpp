@@ -40,6 +40,9 @@ public:
     void tip(double x0, double x1, std::string_view words);
 
     std::string svg() const;
+    double height() const { return height_; }
+    double width() const { return width_; }
+    const std::string& body() const { return body_; } ///< Without the <svg> around it.
 
 private:
     double placeX(double x) const;
@@ -53,6 +56,9 @@ private:
 
 /// Round numbers between the ends of the axis: some five, or the powers of ten and their double and fivefold.
 std::vector<double> ticks(const Axis& axis);
+
+/// Charts below one another under their titles, as a file of its own.
+std::string svgPicture(std::span<const std::pair<std::string, SvgChart>> charts);
 
 /// A coloured patch with a word for each.
 std::string legend(std::span<const std::pair<std::string, Rgb8>> entries);

@@ -16,8 +16,8 @@ namespace {
 constexpr std::string_view kCompareColumns[] = {"scene",          "run",          "pass",     "alternation",
                                                 "frame_ms",       "shadow_ms",    "adaptive", "equal_quality",
                                                 "near_wrong_pct", "far_wrong_pct"};
-constexpr std::string_view kBenchColumns[] = {"scene",     "method", "map",          "increment_ms_min",
-                                              "wrong_pct", "device", "penumbra_rmse"};
+constexpr std::string_view kBenchColumns[] = {"scene",     "method", "map",           "increment_ms_min",
+                                              "wrong_pct", "device", "penumbra_rmse", "memory_mib"};
 
 struct Mean {
     double sum = 0.0;
@@ -84,7 +84,8 @@ Outcome<Benched> readBenched(const std::filesystem::path& file)
                          .map = cells[2],
                          .device = cells[5],
                          .ms = numberIn(cells[3]),
-                         .error = numberIn(cells[6])};
+                         .error = numberIn(cells[6]),
+                         .memoryMib = numberIn(cells[7])};
         row.soft = std::isfinite(row.error);
         if (!row.soft) row.error = numberIn(cells[4]);
         if (std::isfinite(row.ms) && std::isfinite(row.error)) out.rows.push_back(std::move(row));

@@ -1,5 +1,6 @@
 #pragma once
 // What `gnomon compare --csv` and `gnomon bench --csv` have measured.
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ struct Benched {
         double ms = 0.0; ///< More than a frame without shadows takes.
         double error =
             0.0; ///< Wrong pixels, per cent; in a scene with soft lights the RMSE of visibility in penumbrae.
+        double memoryMib = std::nan(""); ///< NaN: not known.
         bool soft = false;
     };
     std::vector<Row> rows; ///< With both numbers.

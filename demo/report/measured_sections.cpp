@@ -33,7 +33,7 @@ std::string savedTable(const Compared& compared, const Compared::Run& adaptive)
     return out + "</table>\n";
 }
 
-std::string scatter(const std::vector<Benched::Row>& rows)
+SvgChart scatter(const std::vector<Benched::Row>& rows)
 {
     double leastMs = 1e30, mostMs = kLeastMs, leastWrong = 1e30, mostWrong = kLeastError;
     const auto place = [](const Benched::Row& row) {
@@ -58,11 +58,27 @@ std::string scatter(const std::vector<Benched::Row>& rows)
     for (const Benched::Row& row : rows) {
         const auto [ms, wrong] = place(row);
         const std::string name = row.map.empty() ? row.method : row.method + " at " + row.map;
-        chart.text(ms, wrong, name);
+        chart.text(ms, wrong, std::isfinite(row.memoryMib) ? name + ", " + fixed(row.memoryMib, 1) + " MiB" : name);
         chart.dot(ms, wrong, methodColour(row.method),
                   name + "\n" + fixed(row.ms, 2) + " ms, " + fixed(row.error, 4) + (soft ? " RMSE" : " % wrong"));
     }
-    return chart.svg();
+    return chart;
+}
+
+/// A chart for each scene and kind of error.
+std::vector<std::pair<std::string, SvgChart>> errorCharts(const Benched& benched)
+{
+    std::set<std::pair<std::string, bool>> kinds;
+    for (const Benched::Row& row : benched.rows)
+        if (row.method != "none") kinds.emplace(row.scene, row.soft);
+    std::vector<std::pair<std::string, SvgChart>> charts;
+    for (const auto& [scene, soft] : kinds) {
+        std::vector<Benched::Row> rows;
+        for (const Benched::Row& row : benched.rows)
+            if (row.scene == scene && row.soft == soft && row.method != "none") rows.push_back(row);
+        charts.emplace_back(scene + (soft ? ", soft lights" : "") + ", on " + rows.front().device, scatter(rows));
+    }
+    return charts;
 }
 
 } // namespace
@@ -81,23 +97,20 @@ std::string savedSection(const Compared& compared)
 
 std::string errorSection(const Benched& benched)
 {
-    std::set<std::pair<std::string, bool>> charts;
-    for (const Benched::Row& row : benched.rows)
-        if (row.method != "none") charts.emplace(row.scene, row.soft);
     std::string out;
-    for (const auto& [scene, soft] : charts) {
-        std::vector<Benched::Row> rows;
-        for (const Benched::Row& row : benched.rows)
-            if (row.scene == scene && row.soft == soft && row.method != "none") rows.push_back(row);
-        out += "<h3>" + escaped(scene) + (soft ? ", soft lights" : "") + ", on " + escaped(rows.front().device) +
-               "</h3>" + scatter(rows);
-    }
+    for (const auto& [title, chart] : errorCharts(benched))
+        out += "<h3>" + escaped(title) + "</h3>" + chart.svg();
     if (out.empty()) return {};
     return "<section><h2>Error against time</h2>\n" + out +
            "<p class=\"note\">Errors against ray_traced in the same frame, over pixels that face the light; what has "
            "none "
            "stands at " +
            fixed(kLeastError, 4) + ". On the line nothing is better in both.</p></section>\n";
+}
+
+std::string errorPicture(const Benched& benched)
+{
+    return svgPicture(errorCharts(benched));
 }
 
 } // namespace gnomon::demo

@@ -14,6 +14,8 @@ std::string laneSection(const RunData& run);
 std::string distanceSection(const RunData& run);
 std::string savedSection(const Compared& compared);
 std::string errorSection(const Benched& benched);
+/// The charts of errorSection() as an SVG file.
+std::string errorPicture(const Benched& benched);
 std::string pictureSection(const RunData& run);
 std::string worstSection(const RunData& run);
 std::string reproduceSection(const RunData& run, std::span<const std::string> commands);

@@ -293,11 +293,21 @@ TEST_CASE("bench holds lights with a radius against the soft truth: a soft metho
 {
     const Folder folder("bench_soft");
     const fs::path csv = folder.path / "bench.csv";
+    const fs::path plot = folder.path / "bench.svg";
     const Ran ran = gnomonProgram("bench torus_grid --radius 0.6 --methods ray_traced,coherence_sampling --size 96x64 "
                                   "--repeat 3 --csv '" +
-                                  csv.string() + "'");
+                                  csv.string() + "' --plot '" + plot.string() + "'");
     CAPTURE(ran.output);
     REQUIRE(ran.exitCode == 0);
+    const std::vector<std::string> picture = lines(plot);
+    REQUIRE_FALSE(picture.empty());
+    CHECK(picture.front().starts_with("<svg xmlns="));
+    CHECK(picture.back() == "</svg>");
+    size_t dots = 0;
+    for (const std::string& line : picture)
+        for (size_t at = line.find("<circle"); at != std::string::npos; at = line.find("<circle", at + 1))
+            ++dots;
+    CHECK(dots == 2); // methods; none has no dot
     CHECK(ran.output.find("soft: penumbra ") != std::string::npos);
     std::map<std::string, std::vector<std::string>> rows;
     for (const std::string& line : lines(csv)) {

@@ -176,6 +176,23 @@ TEST_CASE("still_life has a rectangle light, three times as wide as high, whose 
     CHECK(std::abs(glm::dot(light.direction, light.rectangleAxis)) < 0.9);
 }
 
+TEST_CASE("leaf_shade has a metre of leaves within two metres of the eye, under a sun of 0.53 degrees")
+{
+    const auto scene = loadScene("views/leaf_shade");
+    REQUIRE_MESSAGE(scene, scene.error());
+    REQUIRE(scene->lights.size() == 1);
+    CHECK(scene->lights[0].kind == LightKind::Directional);
+    CHECK(scene->lights[0].radius == Approx(glm::radians(0.53 / 2.0)).epsilon(0.001));
+    const auto foliage = std::find_if(scene->instances.begin(), scene->instances.end(),
+                                      [](const Instance& instance) { return instance.name == "foliage"; });
+    REQUIRE(foliage != scene->instances.end());
+    Box box;
+    for (const WorldTriangle& triangle : worldTriangles(*scene, 0.0))
+        if (triangle.instance == uint32_t(foliage - scene->instances.begin())) box.add(triangle);
+    CHECK(box.high.x - box.low.x == Approx(1.0).epsilon(0.15));
+    CHECK(box.distance(cameraAt(*scene, 0.0).eye) < 1.0);
+}
+
 TEST_CASE("the forest has a million triangles, and nothing in it moves but the camera")
 {
     const auto scene = loadScene("views/forest");
