@@ -190,8 +190,17 @@ void SvgChart::box(double x0, double x1, double y0, double y1, const Rgb8& colou
 
 void SvgChart::text(double x, double y, std::string_view words)
 {
-    body_ += "<text class=\"tick\"" + attribute("x", placeX(x) + 8) + attribute("y", placeY(y) + 4) + ">" +
-             escaped(words) + "</text>";
+    constexpr double kLetter = 6.2, kLine = 10.0; // pixels, on average
+    Text text{.left = placeX(x) + 8.0, .low = placeY(y) + 4.0};
+    text.right = text.left + kLetter * static_cast<double>(words.size());
+    const auto meets = [&text](const Text& other) {
+        return text.left < other.right && other.left < text.right && std::abs(text.low - other.low) < kLine;
+    };
+    for (int i = 1; i <= 8 && std::any_of(texts_.begin(), texts_.end(), meets); ++i) // one line down, one up, two down
+        text.low += (i % 2 != 0 ? i : -i) * kLine;
+    texts_.push_back(text);
+    body_ += "<text class=\"tick\"" + attribute("x", text.left) + attribute("y", text.low) + ">" + escaped(words) +
+             "</text>";
 }
 
 void SvgChart::rowName(double y, std::string_view words)

@@ -34,8 +34,8 @@ public:
     void line(const Points& points, const Rgb8& colour, double width = 1.2); ///< NaN breaks it.
     void dot(double x, double y, const Rgb8& colour, std::string_view tip);
     void box(double x0, double x1, double y0, double y1, const Rgb8& colour, std::string_view tip);
-    void text(double x, double y, std::string_view words);
-    void rowName(double y, std::string_view words); ///< Left of the y axis, in place of a number.
+    void text(double x, double y, std::string_view words); ///< Beside a place, or above or below other texts there.
+    void rowName(double y, std::string_view words);        ///< Left of the y axis, in place of a number.
     /// Says `tip` wherever the pointer is between two places of the x axis. Last of all, over everything.
     void tip(double x0, double x1, std::string_view words);
 
@@ -49,9 +49,14 @@ private:
     double placeY(double y) const;
     void axes();
 
+    struct Text {
+        double left = 0.0, right = 0.0, low = 0.0; ///< Pixels.
+    };
+
     double width_, height_;
     Axis x_, y_;
     std::string body_;
+    std::vector<Text> texts_;
 };
 
 /// Round numbers between the ends of the axis: some five, or the powers of ten and their double and fivefold.

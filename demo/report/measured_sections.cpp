@@ -46,7 +46,7 @@ SvgChart scatter(const std::vector<Benched::Row>& rows)
     }
     const bool soft = rows.front().soft;
     SvgChart chart(1040.0, 420.0,
-                   {.low = leastMs / 1.3, .high = mostMs * 2.5, .title = "milliseconds", .logarithmic = true},
+                   {.low = leastMs / 1.3, .high = mostMs * 4.0, .title = "milliseconds", .logarithmic = true},
                    {.low = leastWrong / 1.5,
                     .high = mostWrong * 1.5,
                     .title = soft ? "RMSE in penumbrae" : "wrong pixels, %",
