@@ -5,3 +5,6 @@ gnomon_algorithm(shadow_map
 gnomon_algorithm(cascades
     SOURCES cascades.cpp cascade_fit.cpp
     SHADERS maps/cascades.frag)
+gnomon_algorithm(virtual_map
+    SOURCES virtual_map.cpp page_grid.cpp page_requests.cpp page_slots.cpp view_solid.cpp
+    SHADERS maps/virtual_map.frag)

@@ -4,10 +4,6 @@
 
 namespace gnomon {
 
-namespace {
-constexpr std::uint32_t kMaxLayers = 8;
-} // namespace
-
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,
                           std::span<const Caster* const> dynamics, std::uint64_t projectionStamp)
 {
@@ -48,9 +44,19 @@ bool KeptMap::keepsApart(const LayerContent& content) const
 // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
 BufferId KeptMap::carrier(std::uint32_t layer, ImageId image)
 {
-    const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxLayers);
-    return passes_.persistent(BufferInfo{
-        .name = info_.stampName, .scope = info_.scope, .size = 4, .variant = info_.variant() * 2 * kMaxLayers + slot});
+    const std::uint32_t slot = layer + (image.index == image_.index ? 0 : kMaxKeptLayers);
+    return passes_.persistent(BufferInfo{.name = info_.stampName,
+                                         .scope = info_.scope,
+                                         .size = 4,
+                                         .variant = info_.variant() * 2 * kMaxKeptLayers + slot});
+}
+
+void KeptMap::keepOthers()
+{
+    for (std::uint32_t layer = 0; layer < info_.layers; ++layer) {
+        carrier(layer, image_);
+        if (statics_) carrier(layer, statics_);
+    }
 }
 
 // It may outlive the image, so the stamp is of this very image.
@@ -63,7 +69,7 @@ void KeptMap::copyStatics(const char* name, std::uint32_t layer, Cells cells)
 {
     declareCellCopy(passes_, {.name = name,
                               .scope = info_.scope,
-                              .variant = info_.variant(),
+                              .variant = passVariant(layer),
                               .from = statics_,
                               .to = image_,
                               .fromLayer = layer,

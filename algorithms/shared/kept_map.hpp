@@ -15,16 +15,17 @@ struct KeptMapInfo {
     const char* staticsName = ""; ///< Of the static casters' image.
     const char* stampName = "";   ///< Of the stamps.
     VkFormat format = VK_FORMAT_D32_SFLOAT;
-    std::uint32_t resolution = 0; ///< Square; below 2^16.
-    std::uint32_t layers = 1;     ///< At most 8.
+    std::uint32_t resolution = 0; ///< Square; below 2^14.
+    std::uint32_t layers = 1;     ///< At most kMaxKeptLayers.
     std::uint32_t form = 0;       ///< Which of maps that differ in more than their resolution; below 2^8.
     Scope scope = Scope::light;   ///< Task: the map depends on the view.
 
     /// Of all resources and passes: two methods may ask for a light's map in one frame, each in its own way.
-    std::uint32_t variant() const { return form << 16 | resolution; }
+    std::uint32_t variant() const { return form << 14 | resolution; }
 };
+inline constexpr std::uint32_t kMaxKeptLayers = 256;
 
-/// Pass names of one layer.
+/// Pass names of one layer, or of many.
 struct LayerNames {
     const char* casters; ///< All casters, or the moving ones over the copy.
     const char* statics;
@@ -54,7 +55,6 @@ public:
     ImageId image() const { return image_; }
 
     /// Declares what brings the layer up to date; one that is not asked for may hold anything.
-    /// @param names other ones for every layer: passes are known by their names
     /// @param draw  `draw(PassContext&, casters, bool statics)` records casters, the static or the moving ones of the
     ///              content; `draw.uses(PassRef&)` declares what else it reads. Copied bytewise. Where it has
     ///              `draw.prepared(PassBuilder&, statics, dynamics)`, passes that come before may be declared there for
@@ -64,10 +64,15 @@ public:
     template <typename Draw>
     KeptParts update(std::uint32_t layer, const LayerNames& names, const LayerContent& content, const Draw& draw);
 
+    /// After the updates, for maps of which layers are asked that were not asked for long: what goes with the others is
+    /// there from the first frame on, and stays.
+    void keepOthers();
+
 private:
     BufferId carrier(std::uint32_t layer, ImageId image);
     bool due(BufferId carrier, std::uint64_t stamp, ImageId image);
     void copyStatics(const char* name, std::uint32_t layer, Cells cells);
+    std::uint32_t passVariant(std::uint32_t layer) const { return info_.variant() * kMaxKeptLayers + layer; }
     /// Variant of the pass that draws over the copy: not the pass that draws all casters, which a task before this one
     /// declares where it still finds no room.
     static constexpr std::uint32_t kOverCopy = 1u << 31;
@@ -110,7 +115,7 @@ KeptParts KeptMap::update(std::uint32_t layer, const LayerNames& names, const La
         passes_.kept();
         return passes_.parts(whole);
     }
-    const std::uint32_t variant = info_.variant();
+    const std::uint32_t variant = passVariant(layer);
     if (!keepsApart(content)) {
         const Draw both = preparedDraw(draw, passes_, content.statics, content.dynamics);
         PassRef all = passes_.raster(names.casters, info_.scope, variant);

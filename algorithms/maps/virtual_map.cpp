@@ -1,0 +1,309 @@
+#include "algorithms/maps/virtual_map.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <unordered_map>
+
+#include <glm/common.hpp>
+
+#include "algorithms/maps/page_requests.hpp"
+#include "algorithms/maps/page_slots.hpp"
+#include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/map_resolve.hpp"
+#include "shaders/maps_virtual_map_frag.h"
+#include "shaders/shared_map_resolve_vert.h"
+
+namespace gnomon {
+
+namespace {
+
+enum Setting { kResolution, kFilter };
+
+constexpr SettingSpec kSettings[] = {
+    {"resolution", "Texels per side of all pages together, laid out as a square.", 64, 8192, 2048, true},
+    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+};
+
+constexpr std::uint32_t kPagesPerSide = 16;  ///< Of the square: 256 layers, which every device has.
+constexpr std::uint32_t kLeastPageSide = 32; ///< Texels; fewer pages below.
+/// Of a map whose depths tell as much apart as pages are to: the largest that follows screen coverage.
+constexpr std::uint32_t kPlainSide = 4096;
+constexpr std::uint32_t kBorderTexels = 4; ///< That filters reach beside a receiver: half of 7 and the fraction.
+
+/// Pages of the pool of one light in one view.
+struct Pool {
+    std::uint32_t side;     ///< Of a page with its border, texels.
+    std::uint32_t capacity; ///< Pages.
+    std::uint32_t border;
+
+    static Pool of(std::span<const double> settings)
+    {
+        const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
+        const std::uint32_t side = std::max(resolution / kPagesPerSide, kLeastPageSide);
+        const std::uint32_t perSide = std::max(resolution / side, 2u);
+        return {side, perSide * perSide, filterSide(settings[kFilter]) > 1 ? kBorderTexels : 0};
+    }
+};
+
+/// Device bytes of a table, at least: that of a turning camera does not grow.
+constexpr VkDeviceSize kTableMemory = 16 << 10;
+/// And of its versions and what carries the pages' stamps.
+constexpr VkDeviceSize kBooksMemory = 512 << 10;
+
+// A page that takes another one's place is drawn by a pass of its own name, so that evictions are counted.
+constexpr LayerNames kPageNames{"virtual_map.page", "virtual_map.statics", "virtual_map.copy_statics"};
+constexpr LayerNames kEvictingNames{"virtual_map.page_evicting", "virtual_map.statics", "virtual_map.copy_statics"};
+
+/// Casters with where they lie in the light's map.
+class PlacedCasters {
+public:
+    PlacedCasters(std::span<const Caster* const> casters, const PageGrid& grid, FrameArena& arena)
+        : casters_(casters), rects_(arena.array<PlaneRect>(casters.size())),
+          found_(arena.array<const Caster*>(casters.size()))
+    {
+        for (std::size_t i = 0; i < casters.size(); ++i)
+            rects_[i] = grid.rectOf(casters[i]->bounds);
+    }
+
+    /// Those that touch a rectangle; memory from the arena.
+    std::span<const Caster* const> in(const PlaneRect& rect, FrameArena& arena) const
+    {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < casters_.size(); ++i)
+            if (rects_[i].overlaps(rect)) found_[count++] = casters_[i];
+        const std::span<const Caster*> kept = arena.array<const Caster*>(count);
+        std::copy_n(found_.begin(), count, kept.begin());
+        return kept;
+    }
+
+private:
+    std::span<const Caster* const> casters_;
+    std::span<PlaneRect> rects_;
+    std::span<const Caster*> found_;
+};
+
+/// The page table of a frame, and how receivers are found in it.
+struct PageTable {
+    std::span<std::uint32_t> entries;
+    std::uint64_t stamp = 0;
+};
+
+PipelineId resolvePipeline(const AlgorithmServices& services, bool normals, bool filtered)
+{
+    const auto look = lookupBindings(true);
+    BindingInfo bindings[5];
+    std::ranges::copy(look, bindings);
+    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
+    GraphicsPipelineInfo pipeline;
+    pipeline.name = "virtual_map.resolve";
+    pipeline.vertex.code = k_shared_map_resolve_vert;
+    pipeline.fragment = {
+        .code = k_maps_virtual_map_frag, .specializationCount = 2, .specialization = {normals, filtered}};
+    pipeline.bindings = bindings;
+    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
+    return services.pipelines->graphics(pipeline);
+}
+
+/// Windows of the levels, and of the pages in them the layers.
+PageTable tableOf(std::span<const PlacedPage> pages, const PageRequests& requests, const PageGrid& grid,
+                  gpu::VirtualMapConstants& constants, FrameArena& arena)
+{
+    const int finest = pageOf(pages.front().key).level;
+    constants.levels = static_cast<std::uint32_t>(requests.coarsest() - finest + 1);
+    const glm::dvec2 base = grid.cornerOf(pageOf(pages.front().key));
+    std::uint32_t size = 0;
+    PageRect windows[gpu::MAX_PAGE_LEVELS];
+    for (std::size_t i = 0; i < pages.size(); ++i) {
+        const Page page = pageOf(pages[i].key);
+        PageRect& window = windows[page.level - finest];
+        const glm::ivec2 at(page.x, page.y);
+        const bool first = window.width() <= 0;
+        window = {first ? at : glm::min(window.low, at), first ? at : glm::max(window.high, at)};
+    }
+    for (std::uint32_t i = 0; i < constants.levels; ++i) {
+        const PageRect& window = windows[i];
+        const auto width = static_cast<std::uint32_t>(window.width()),
+                   height = static_cast<std::uint32_t>(window.height());
+        constants.windows[i] = {size, width, height, 0};
+        size += width * height;
+        const int level = finest + static_cast<int>(i);
+        const glm::dvec2 moved = base - grid.cornerOf({level, window.low.x, window.low.y});
+        constants.parts[i] = glm::vec4(glm::vec2(static_cast<float>(std::ldexp(1.0, finest - level))),
+                                       glm::vec2(moved * std::ldexp(1.0, -level)));
+    }
+    for (std::uint32_t i = 0; i < requests.slices(); ++i)
+        constants.given[i].x = static_cast<std::uint32_t>(std::max(requests.levelOf(i) - finest, 0));
+    constants.slices = requests.slices();
+    constants.pageTexels = static_cast<float>(grid.texels());
+    constants.border = static_cast<float>(grid.border());
+
+    PageTable table{.entries = arena.array<std::uint32_t>(size)};
+    std::ranges::fill(table.entries, 0u);
+    Stamp stamp;
+    for (const PlacedPage& placed : pages) {
+        const Page page = pageOf(placed.key);
+        const gpu::uvec4& window = constants.windows[page.level - finest];
+        const glm::ivec2 at = glm::ivec2(page.x, page.y) - windows[page.level - finest].low;
+        const std::uint32_t entry =
+            window.x + static_cast<std::uint32_t>(at.y) * window.y + static_cast<std::uint32_t>(at.x);
+        table.entries[entry] = placed.slot + 1;
+        stamp.add(std::uint64_t{entry} << 32 | placed.slot);
+    }
+    table.stamp = stamp.add(std::uint64_t{size}).value();
+    return table;
+}
+
+class VirtualMap final : public ShadowAlgorithm {
+public:
+    explicit VirtualMap(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services))
+    {
+        for (const bool normals : {false, true})
+            for (const bool filtered : {false, true})
+                resolve_[normals][filtered] = resolvePipeline(services, normals, filtered);
+    }
+
+    void declare(PassBuilder& passes, const ShadowTask& task) override
+    {
+        FrameArena& arena = passes.arena();
+        const Pool pool = Pool::of(task.settings);
+        const PageGrid grid(*fitDepthMap(casters_.clamped, task, kPlainSide, arena), *task.light, task.view->origin,
+                            pool.side - 2 * pool.border, pool.border);
+        Kept& kept = keptOf(task, pool, passes.frame());
+        const std::uint64_t stamp = requestStamp(task, pool);
+        if (kept.asked != stamp) kept.requests.ask(task, sceneBounds(*task.casters), grid, pool.capacity);
+        kept.asked = stamp;
+        const std::span<const PlacedPage> pages = kept.slots.place(kept.requests.pages(), passes.frame());
+        const ImageId image = declarePages(passes, task, pool, grid, pages);
+
+        gpu::VirtualMapConstants& constants = *arena.make(gpu::VirtualMapConstants{});
+        const Page finest = pageOf(pages.front().key);
+        constants.base = mapConstants(task, pool.side, filterSide(task.settings[kFilter]));
+        addProjection(constants.base, grid.fitAt(finest, pool.side), task);
+        constants.footprint = static_cast<float>(
+            std::ldexp(static_cast<double>(task.view->constants.pixelSize), -kept.requests.firstLevel()));
+        const PageTable table = tableOf(pages, kept.requests, grid, constants, arena);
+        declareResolve(passes, task, image, constants, declareTable(passes, table));
+    }
+
+private:
+    /// Of one light in one view, from frame to frame.
+    struct Kept {
+        PageRequests requests;
+        PageSlots slots;
+        std::uint64_t asked = 0; ///< Of what the requests depend on.
+        std::uint64_t used = 0;  ///< Frame.
+    };
+
+    static std::uint64_t requestStamp(const ShadowTask& task, const Pool& pool)
+    {
+        const CameraView& view = *task.view;
+        Stamp stamp;
+        stamp.add(task.light->revision).add(task.casters->staticStamp).add(task.casters->dynamicStamp);
+        stamp.add(std::uint64_t{pool.side} << 32 | pool.capacity).add(std::uint64_t{pool.border});
+        for (const auto word : std::bit_cast<std::array<std::uint32_t, sizeof(view.constants) / 4>>(view.constants))
+            stamp.add(std::uint64_t{word});
+        stamp.add(std::uint64_t{view.area.extent.width} << 32 | view.area.extent.height);
+        for (const std::int32_t start : {view.area.offset.x, view.area.offset.y})
+            stamp.add(static_cast<std::uint64_t>(start));
+        return stamp.value();
+    }
+
+    Kept& keptOf(const ShadowTask& task, const Pool& pool, std::uint64_t frame)
+    {
+        const std::uint64_t key = std::uint64_t{task.view->id} << 32 | task.light->id;
+        auto found = kept_.find(key);
+        if (found == kept_.end()) {
+            constexpr std::uint64_t kForgottenAfter = 60; // frames, as the pool's resources
+            std::erase_if(kept_, [&](const auto& entry) { return entry.second.used + kForgottenAfter < frame; });
+            found = kept_.emplace(key, Kept{.requests = {}, .slots = PageSlots(pool.capacity)}).first;
+        }
+        Kept& kept = found->second;
+        if (kept.slots.capacity() != pool.capacity) kept.slots = PageSlots(pool.capacity);
+        kept.used = frame;
+        return kept;
+    }
+
+    ImageId declarePages(PassBuilder& passes, const ShadowTask& task, const Pool& pool, const PageGrid& grid,
+                         std::span<const PlacedPage> pages) const
+    {
+        FrameArena& arena = passes.arena();
+        KeptMap map(passes, {.name = "virtual_map.pages",
+                             .staticsName = "virtual_map.statics",
+                             .stampName = "virtual_map.stamp",
+                             .format = kMapFormat,
+                             .resolution = pool.side,
+                             .layers = pool.capacity,
+                             .form = pool.border,
+                             .scope = Scope::task});
+        const PlacedCasters statics(task.casters->statics, grid, arena);
+        const PlacedCasters dynamics(task.casters->dynamics, grid, arena);
+        for (const PlacedPage& placed : pages) {
+            const Page page = pageOf(placed.key);
+            const PlaneRect rect = grid.rectOf(page);
+            const LightFit& fit = *arena.make(grid.fitOf(page));
+            const LayerContent content = layerContent(*task.light, statics.in(rect, arena), dynamics.in(rect, arena),
+                                                      Stamp().add(fit.clipFromWorld).value());
+            map.update(placed.slot, placed.evicts ? kEvictingNames : kPageNames, content,
+                       DepthCasters(casters_, fit, task, pool.side, arena));
+        }
+        map.keepOthers();
+        return map.image();
+    }
+
+    static BufferId declareTable(PassBuilder& passes, const PageTable& table)
+    {
+        const KeptList list = passes.keptList(
+            {.name = "virtual_map.table", .size = std::max<VkDeviceSize>(table.entries.size_bytes(), kTableMemory)},
+            table.stamp);
+        if (list.due)
+            passes.prepare("virtual_map.table")
+                .writes(list.buffer)
+                .run([buffer = list.buffer, entries = table.entries](HostContext& host) {
+                    const std::span<std::uint32_t> to = host.write<std::uint32_t>(buffer);
+                    std::copy_n(entries.begin(), std::min(entries.size(), to.size()), to.begin());
+                });
+        return list.buffer;
+    }
+
+    void declareResolve(PassBuilder& passes, const ShadowTask& task, ImageId image,
+                        const gpu::VirtualMapConstants& constants, BufferId table) const
+    {
+        const LookupImages look(task, image);
+        LookupPass resolve(passes, task, "virtual_map.resolve", look);
+        resolve.uses.reads(table);
+        const PipelineId pipeline = resolve_[look.hasNormals][constants.base.map.filterSide > 1.0f];
+        resolve.record([=, block = &constants](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
+                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, table)});
+        });
+    }
+
+    DepthMapPipelines casters_;
+    PipelineId resolve_[2][2];                     ///< [has normals][filtered]
+    std::unordered_map<std::uint64_t, Kept> kept_; ///< By view and light.
+};
+
+} // namespace
+
+constinit const AlgorithmEntry kVirtualMap{
+    .name = "virtual_map",
+    .source = "ours; after Tanner, Migdal and Jones 1998",
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
+              GN_TRAIT_GPU_TRANSFORMS_BIT,
+    .roundTrips = 0,
+    .maxRounds = 0,
+    .settings = kSettings,
+    .memoryPerLight =
+        [](std::span<const double> settings, VkExtent2D, GnLightType) {
+            const Pool pool = Pool::of(settings);
+            return depthMapMemory(pool.side, pool.capacity) + kBooksMemory;
+        },
+    .missing = nullptr,
+    .create = makeAlgorithm<VirtualMap>,
+    .typicalWrongPercent = 0.2f, // virtual_map.md
+    .followsView = true,
+};
+
+} // namespace gnomon

@@ -1,0 +1,238 @@
+// Which pages of a virtual map are asked, and where they are kept, for cameras at random; no device.
+#include <algorithm>
+#include <map>
+#include <set>
+#include <tuple>
+
+#include <doctest/doctest.h>
+
+#include "algorithms/maps/page_requests.hpp"
+#include "algorithms/maps/page_slots.hpp"
+#include "maps_fixture.hpp"
+
+namespace gnomon::test {
+namespace {
+
+constexpr std::uint32_t kTexels = 120, kBorder = 4;
+
+/// Boxes under one sun or spot light, and a camera among them.
+struct Town {
+    CameraView view;
+    LightView lamp;
+    std::vector<Caster> all;
+    std::vector<const Caster*> pointers;
+    LightCasters casters;
+    PageRequests requests;
+
+    explicit Town(Random& random, bool spot = false)
+        : view(camera({random.in(-200.0f, 200.0f), random.in(1.0f, 20.0f), random.in(-200.0f, 200.0f)}, random.unit(),
+                      random.in(0.2f, 0.6f), 1280, 720)),
+          lamp(light(spot ? GN_LIGHT_TYPE_SPOT : GN_LIGHT_TYPE_DIRECTIONAL,
+                     {random.in(-200.0f, 200.0f), random.in(5.0f, 60.0f), random.in(-200.0f, 200.0f)},
+                     glm::normalize(glm::vec3(random.in(-1.0f, 1.0f), -1.0f, random.in(-1.0f, 1.0f))), 300.0f,
+                     random.in(0.2f, 1.2f))),
+          all(41)
+    {
+        all[0].bounds = {{-250.0f, -1.0f, -250.0f}, {250.0f, 0.0f, 250.0f}};
+        for (std::size_t i = 1; i < all.size(); ++i) {
+            const glm::vec3 at(random.in(-240.0f, 240.0f), 0.0f, random.in(-240.0f, 240.0f));
+            all[i].bounds = {at,
+                             at + glm::vec3(random.in(0.3f, 12.0f), random.in(0.3f, 30.0f), random.in(0.3f, 12.0f))};
+        }
+        for (const Caster& caster : all)
+            pointers.push_back(&caster);
+        casters.all = casters.statics = pointers;
+    }
+
+    Aabb bounds() const { return sceneBounds(casters); }
+    LightFit fit() const
+    {
+        return lamp.type == GN_LIGHT_TYPE_SPOT ? fitSpot(lamp, bounds(), 4096, 4.0f) : fitDirectional(lamp, bounds());
+    }
+    PageGrid grid() const { return {fit(), lamp, view.origin, kTexels, kBorder}; }
+    void ask(std::uint32_t capacity)
+    {
+        ShadowTask task;
+        task.view = &view;
+        task.light = &lamp;
+        task.casters = &casters;
+        requests.ask(task, bounds(), grid(), capacity);
+    }
+    bool asks(const Page& page) const { return std::ranges::binary_search(requests.pages(), keyOf(page)); }
+};
+
+/// Linear depth of what is in sight; below 0: it is not.
+double seenAt(const CameraView& view, const glm::vec3& point)
+{
+    for (std::size_t i = 0; i < 5; ++i)
+        if (glm::dot(view.frustum[i].normal, point) + view.frustum[i].distance < 0.0f) return -1.0;
+    return static_cast<double>(glm::dot(view.frustum[4].normal, point - view.eye));
+}
+
+} // namespace
+
+TEST_CASE("a number is one page, and numbers are in the order of level, row and column")
+{
+    Random random;
+    Page before{};
+    for (int i = 0; i < 1000; ++i) {
+        const auto any = [&](float most) { return static_cast<int>(random.in(-most, most)); };
+        const Page page{any(40.0f), any(1e8f), any(1e8f)};
+        const Page back = pageOf(keyOf(page));
+        CHECK(std::tie(back.level, back.y, back.x) == std::tie(page.level, page.y, page.x));
+        CHECK((keyOf(before) < keyOf(page)) ==
+              (std::tie(before.level, before.y, before.x) < std::tie(page.level, page.y, page.x)));
+        before = page;
+    }
+}
+
+TEST_CASE("a page stays where it is in the world, and what is drawn into it is it and its border")
+{
+    Random random;
+    for (int i = 0; i < 200; ++i) {
+        const Town town(random);
+        const LightFit whole = town.fit();
+        const glm::dvec3 moved(random.vec(-1000.0f, 1000.0f));
+        const double origin[3] = {moved.x, moved.y, moved.z};
+        const PageGrid here(whole, town.lamp, town.view.origin, kTexels, kBorder),
+            there(whole, town.lamp, origin, kTexels, kBorder);
+        const glm::dvec3 point(random.vec(-300.0f, 300.0f));
+        const int level = static_cast<int>(random.in(-10.0f, 4.0f));
+        const glm::dvec2 place = here.placeOf(point), same = there.placeOf(point - moved);
+        const Page page{level, here.pagesIn({place, place}, level).low.x, here.pagesIn({place, place}, level).low.y};
+        const glm::dvec2 inPage = (place - here.cornerOf(page)) / here.width(level);
+        if (std::min({inPage.x, inPage.y, 1.0 - inPage.x, 1.0 - inPage.y}) < 1e-6) continue;
+        const PageRect other = there.pagesIn({same, same}, level);
+        CHECK(other.low == glm::ivec2(page.x, page.y));
+        CHECK(glm::length(there.cornerOf(page) + (place - same) - here.cornerOf(page)) < 1e-8 * 1e4);
+
+        // In the picture's clip space the page ends a border's width before the picture does.
+        const glm::dvec4 clip = glm::dmat4(here.fitOf(page).clipFromWorld) * glm::dvec4(point, 1.0);
+        const double inner = double(kTexels) / (kTexels + 2 * kBorder);
+        for (int axis = 0; axis < 2; ++axis)
+            CHECK(clip[axis] == doctest::Approx(inner * (2.0 * inPage[axis] - 1.0)).epsilon(0.01));
+    }
+}
+
+TEST_CASE("where there is room, each point of a caster in sight has a page whose texels are no wider than pixels there")
+{
+    Random random;
+    for (const bool spot : {false, true}) {
+        CAPTURE(spot);
+        int points = 0;
+        for (int i = 0; i < 100; ++i) {
+            Town town(random, spot);
+            town.ask(8192);
+            const PageGrid grid = town.grid();
+            for (int j = 0; j < 400; ++j) {
+                const Caster& caster = town.all[static_cast<std::size_t>(j) % town.all.size()];
+                const glm::vec3 share(random.in(0.0f, 1.0f), random.in(0.0f, 1.0f), random.in(0.0f, 1.0f));
+                const glm::vec3 point = caster.bounds.lower + share * (caster.bounds.upper - caster.bounds.lower);
+                const double distance = seenAt(town.view, point);
+                if (distance < 1.0) continue; // what holds the eye asks from 1 m on
+                const double depth = glm::dot(grid.depth(), glm::dvec4(glm::dvec3(point), 1.0));
+                if (depth < grid.nearest()) continue;
+                const glm::dvec2 place = grid.placeOf(glm::dvec3(point));
+                if (!grid.all().overlaps({place, place})) continue; // beside the cone
+                const double pixel = distance * static_cast<double>(town.view.constants.pixelSize) / depth;
+                const int wanted = static_cast<int>(std::floor(std::log2(pixel)));
+                const int level = std::clamp(wanted, town.requests.firstLevel(), town.requests.coarsest());
+                const auto slice = static_cast<std::uint32_t>(level - town.requests.firstLevel());
+                if (level < town.requests.coarsest()) {
+                    REQUIRE(slice < town.requests.slices());
+                    REQUIRE(town.requests.levelOf(slice) == level);
+                }
+                const PageRect page = grid.pagesIn({place, place}, level);
+                CAPTURE(distance);
+                CAPTURE(depth);
+                REQUIRE(town.asks({level, page.low.x, page.low.y}));
+                ++points;
+            }
+        }
+        CHECK(points > (spot ? 300 : 2000));
+    }
+}
+
+TEST_CASE("no more pages are asked than there is room for, the coarsest level always, and slices grow coarser in turn")
+{
+    Random random;
+    int tight = 0, loose = 0;
+    for (int i = 0; i < 200; ++i) {
+        Town town(random);
+        const std::uint32_t capacity = 4u << (i % 7); // to 256
+        town.ask(capacity);
+        const PageRequests& asked = town.requests;
+        CHECK(asked.pages().size() <= capacity);
+        CHECK(std::ranges::is_sorted(asked.pages()));
+        CHECK(std::ranges::adjacent_find(asked.pages()) == asked.pages().end());
+        const PageGrid grid = town.grid();
+        for (const Caster& caster : town.all) {
+            const PageRect rect = grid.pagesIn(grid.rectOf(caster.bounds), asked.coarsest());
+            CHECK(town.asks({asked.coarsest(), rect.low.x, rect.low.y}));
+            CHECK(town.asks({asked.coarsest(), rect.high.x, rect.high.y}));
+        }
+        int least = 99, most = 0;
+        for (std::uint32_t slice = 0; slice < asked.slices(); ++slice) {
+            const int wanted = asked.firstLevel() + static_cast<int>(slice), step = asked.levelOf(slice) - wanted;
+            CHECK(step >= 0);
+            if (asked.levelOf(slice) >= asked.coarsest()) continue;
+            least = std::min(least, step);
+            most = std::max(most, step);
+        }
+        if (least <= most) CHECK(most <= least + 1);
+        (most > 0 ? tight : loose) += 1;
+    }
+    CHECK(tight > 20);
+    CHECK(loose > 20);
+}
+
+TEST_CASE("pages keep their layers, and those asked least recently make way, as in a list in order of use")
+{
+    Random random;
+    constexpr std::uint32_t kCapacity = 24;
+    PageSlots slots(kCapacity);
+    std::map<PageKey, std::uint64_t> resident; // the reference: page, frame in which it was asked last
+    std::map<PageKey, std::uint32_t> layers;
+    std::size_t evictions = 0;
+    for (std::uint64_t frame = 1; frame <= 500; ++frame) {
+        std::set<PageKey> wanted;
+        const int first = static_cast<int>(frame / 10);
+        while (wanted.size() < kCapacity / 2)
+            wanted.insert(keyOf({0, first + static_cast<int>(random.in(0.0f, 30.0f)), 0}));
+        const std::vector<PageKey> pages(wanted.begin(), wanted.end());
+        std::size_t missing = 0, evicting = 0;
+        for (const PageKey page : pages)
+            missing += !resident.contains(page);
+        const std::size_t free = kCapacity - resident.size();
+        const std::span<const PlacedPage> placed = slots.place(pages, frame);
+        REQUIRE(placed.size() == pages.size());
+        std::set<std::uint32_t> used;
+        for (std::size_t i = 0; i < pages.size(); ++i) {
+            CHECK(placed[i].key == pages[i]);
+            CHECK(placed[i].slot < kCapacity);
+            CHECK(used.insert(placed[i].slot).second);
+            if (resident.contains(pages[i])) CHECK(placed[i].slot == layers[pages[i]]);
+            evicting += placed[i].evicts;
+        }
+        CHECK(evicting == (missing > free ? missing - free : 0));
+        evictions += evicting;
+        std::uint64_t youngest = 0; // of those that made way
+        for (const PlacedPage& page : placed)
+            for (const auto& [key, slot] : layers)
+                if (page.evicts && slot == page.slot && resident.contains(key))
+                    youngest = std::max(youngest, resident[key]);
+        for (const PlacedPage& page : placed)
+            std::erase_if(layers,
+                          [&](const auto& entry) { return entry.second == page.slot && entry.first != page.key; });
+        std::erase_if(resident, [&](const auto& entry) { return !layers.contains(entry.first); });
+        for (const auto& [key, asked] : resident)
+            if (!wanted.contains(key)) CHECK(asked >= youngest);
+        for (const PlacedPage& page : placed) {
+            resident[page.key] = frame;
+            layers[page.key] = page.slot;
+        }
+    }
+    CHECK(evictions > 100);
+}
+
+} // namespace gnomon::test
