@@ -153,19 +153,34 @@ void PageRequests::cutSlices(const ViewSolid& view, const Aabb& casters, const P
     for (Slice& slice : used()) {
         slice.level = first_ + static_cast<int>(&slice - slices_.data());
         slice.pages.clear();
+        slice.finer.clear();
         slice.rows.fill(0);
         const double texel = std::ldexp(1.0, slice.level);
         slice.narrowest = slice.level == first_ ? 0.0 : texel * (1.0 - kOverlap);
-        slice.widest = slice.level == last ? INFINITY : 2.0 * texel * (1.0 + kOverlap);
+        slice.widest = (slice.level == last ? widest : 2.0 * texel) * (1.0 + kOverlap);
         slice.ends[0] = view.pixel() - slice.narrowest * grid.depth();
-        slice.ends[1] = slice.level == last ? glm::dvec4(0.0) : slice.widest * grid.depth() - view.pixel();
-        // About the middle of what it sees of the casters.
+        slice.ends[1] = slice.widest * grid.depth() - view.pixel();
         PlaneRect seen{glm::dvec2(INFINITY), glm::dvec2(-INFINITY)};
         forPlaces(view, grid, casters, view.nearest(), slice.ends, [&](glm::dvec2 from, glm::dvec2) {
             seen = {glm::min(seen.low, from), glm::max(seen.high, from)};
         });
-        if (!(seen.low.x <= seen.high.x)) seen = grid.all();
-        const glm::dvec2 middle = 0.5 * (seen.low + seen.high);
+        slice.seen = seen.low.x <= seen.high.x ? seen.meet(grid.all()) : PlaneRect{}; // or nothing
+    }
+}
+
+void PageRequests::raiseSlices(const PageGrid& grid)
+{
+    const auto fits = [&](const Slice& slice, int raised) {
+        const PageRect rect = grid.pagesIn(slice.seen, slice.level + raised);
+        return slice.level + raised >= coarsest_ || std::max(rect.width(), rect.height()) <= kRows;
+    };
+    int raised = 0;
+    for (const Slice& slice : used())
+        while (raised < static_cast<int>(gpu::MAX_PAGE_LEVELS) && !fits(slice, raised))
+            ++raised;
+    for (Slice& slice : used()) {
+        slice.level += raised;
+        const glm::dvec2 middle = 0.5 * (slice.seen.low + slice.seen.high);
         slice.corner = grid.pagesIn({middle, middle}, slice.level).low - kRows / 2;
     }
 }
@@ -199,36 +214,56 @@ void PageRequests::mark(const Box& box, const ViewSolid& view, const PageGrid& g
 void PageRequests::coarsen(Slice& slice) const
 {
     ++slice.level;
-    if (slice.level >= coarsest_) return slice.pages.clear();
-    for (PageKey& key : slice.pages)
-        key = keyOf(pageOf(key).parent());
+    std::swap(slice.finer, slice.pages);
+    slice.pages.clear();
+    if (slice.level >= coarsest_) return;
+    for (const PageKey key : slice.finer)
+        slice.pages.push_back(keyOf(pageOf(key).parent()));
     std::sort(slice.pages.begin(), slice.pages.end());
     slice.pages.erase(std::unique(slice.pages.begin(), slice.pages.end()), slice.pages.end());
+}
+
+std::size_t PageRequests::askedAt(int level)
+{
+    if (level >= coarsest_) return 0;
+    merged_.clear();
+    for (const Slice& slice : used())
+        if (slice.level == level) merged_.insert(merged_.end(), slice.pages.begin(), slice.pages.end());
+    std::sort(merged_.begin(), merged_.end());
+    return static_cast<std::size_t>(std::unique(merged_.begin(), merged_.end()) - merged_.begin());
 }
 
 void PageRequests::makeRoom(std::uint32_t capacity)
 {
     std::size_t asked = pages_.size();
     for (const Slice& slice : used())
-        asked += slice.pages.size();
-    for (std::uint32_t step = 1; asked > capacity && step <= gpu::MAX_PAGE_LEVELS; ++step) {
+        asked += slice.pages.size(); // all of other levels as yet
+    for (std::uint32_t step = 0; asked > capacity && step < gpu::MAX_PAGE_LEVELS; ++step) {
         for (std::uint32_t i = used_; i-- > 0 && asked > capacity;) {
             Slice& slice = slices_[i];
             if (slice.level >= coarsest_) continue;
-            asked -= slice.pages.size();
+            asked -= askedAt(slice.level) + askedAt(slice.level + 1);
             coarsen(slice);
-            asked += slice.pages.size();
+            asked += askedAt(slice.level - 1) + askedAt(slice.level);
         }
+    }
+    for (Slice& slice : used()) { // what is left is for some of the finer pages; the coarser ones stay under them
+        const std::size_t more = std::min(capacity - std::min<std::size_t>(asked, capacity), slice.finer.size());
+        if (more == 0) continue;
+        slice.pages.insert(slice.pages.end(), slice.finer.begin(), slice.finer.begin() + std::ptrdiff_t(more));
+        --slice.level;
+        asked += more;
     }
 }
 
-void PageRequests::ask(const ShadowTask& task, const Aabb& casters, const PageGrid& grid, std::uint32_t capacity)
+void PageRequests::ask(const ShadowTask& task, const Aabb& casters, const PageGrid& grid, const Wanted& wanted)
 {
     pages_.clear();
-    askCoarsest(grid, capacity);
-    const ViewSolid view(*task.view);
+    askCoarsest(grid, wanted.capacity);
+    const ViewSolid view(*task.view, wanted.density);
     collectBoxes(task, view, grid);
     cutSlices(view, casters, grid);
+    raiseSlices(grid);
     for (const Box& box : boxes_)
         mark(box, view, grid);
     for (Slice& slice : used())
@@ -236,7 +271,7 @@ void PageRequests::ask(const ShadowTask& task, const Aabb& casters, const PageGr
             for (std::uint64_t bits = slice.rows[std::size_t(row)]; bits != 0; bits &= bits - 1)
                 slice.pages.push_back(
                     keyOf({slice.level, slice.corner.x + std::countr_zero(bits), slice.corner.y + row}));
-    makeRoom(capacity);
+    makeRoom(wanted.capacity);
     for (const Slice& slice : used())
         pages_.insert(pages_.end(), slice.pages.begin(), slice.pages.end());
     std::sort(pages_.begin(), pages_.end());

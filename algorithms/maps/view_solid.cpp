@@ -37,7 +37,7 @@ void Polygon::clip(const glm::dvec4& plane)
     count_ = count;
 }
 
-ViewSolid::ViewSolid(const CameraView& view)
+ViewSolid::ViewSolid(const CameraView& view, double density)
 {
     const gpu::ViewConstants& constants = view.constants;
     const glm::dvec3 across = glm::cross(glm::dvec3(constants.rayDxWs), glm::dvec3(constants.rayDyWs));
@@ -45,7 +45,7 @@ ViewSolid::ViewSolid(const CameraView& view)
     const glm::dvec3 metre(gpu::atDistanceWs(constants, ray, 1.0f) - gpu::atDistanceWs(constants, ray, 0.0f));
     const glm::dvec3 ahead = across / glm::dot(across, metre);
     distance_ = {ahead, -glm::dot(ahead, glm::dvec3(view.eye))};
-    const auto size = static_cast<double>(constants.pixelSize);
+    const double size = static_cast<double>(constants.pixelSize) / density;
     pixel_ = gpu::isOrthographic(constants) ? glm::dvec4(0.0, 0.0, 0.0, size) : size * distance_;
     for (std::size_t i = 0; i < 4; ++i)
         sides_[i] = {glm::dvec3(view.frustum[i].normal), static_cast<double>(view.frustum[i].distance)};

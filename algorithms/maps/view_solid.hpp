@@ -34,7 +34,8 @@ private:
 /// What a view sees, without near and far end. What planes measure of a point p is dot(plane, (p, 1)).
 class ViewSolid {
 public:
-    explicit ViewSolid(const CameraView& view);
+    /// @param density texels to a pixel, along its sides
+    ViewSolid(const CameraView& view, double density);
 
     double nearest() const { return nearest_; }              ///< Of the near plane, metres along the view.
     const glm::dvec4& distance() const { return distance_; } ///< Metres along the view.

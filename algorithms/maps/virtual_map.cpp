@@ -19,11 +19,12 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter };
+enum Setting { kResolution, kFilter, kDensity };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of all pages together, laid out as a square.", 64, 8192, 2048, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    {"density", "Texels to a pixel along its sides, where there is room for so many.", 1, 4, 2},
 };
 
 constexpr std::uint32_t kPagesPerSide = 16;  ///< Of the square: 256 layers, which every device has.
@@ -172,7 +173,8 @@ public:
                             pool.side - 2 * pool.border, pool.border);
         Kept& kept = keptOf(task, pool, passes.frame());
         const std::uint64_t stamp = requestStamp(task, pool);
-        if (kept.asked != stamp) kept.requests.ask(task, sceneBounds(*task.casters), grid, pool.capacity);
+        if (kept.asked != stamp)
+            kept.requests.ask(task, sceneBounds(*task.casters), grid, {pool.capacity, task.settings[kDensity]});
         kept.asked = stamp;
         const std::span<const PlacedPage> pages = kept.slots.place(kept.requests.pages(), passes.frame());
         const ImageId image = declarePages(passes, task, pool, grid, pages);
@@ -181,8 +183,9 @@ public:
         const Page finest = pageOf(pages.front().key);
         constants.base = mapConstants(task, pool.side, filterSide(task.settings[kFilter]));
         addProjection(constants.base, grid.fitAt(finest, pool.side), task);
-        constants.footprint = static_cast<float>(
-            std::ldexp(static_cast<double>(task.view->constants.pixelSize), -kept.requests.firstLevel()));
+        constants.footprint =
+            static_cast<float>(std::ldexp(static_cast<double>(task.view->constants.pixelSize) / task.settings[kDensity],
+                                          -kept.requests.firstLevel()));
         const PageTable table = tableOf(pages, kept.requests, grid, constants, arena);
         declareResolve(passes, task, image, constants, declareTable(passes, table));
     }
@@ -202,6 +205,7 @@ private:
         Stamp stamp;
         stamp.add(task.light->revision).add(task.casters->staticStamp).add(task.casters->dynamicStamp);
         stamp.add(std::uint64_t{pool.side} << 32 | pool.capacity).add(std::uint64_t{pool.border});
+        stamp.add(static_cast<float>(task.settings[kDensity]));
         for (const auto word : std::bit_cast<std::array<std::uint32_t, sizeof(view.constants) / 4>>(view.constants))
             stamp.add(std::uint64_t{word});
         stamp.add(std::uint64_t{view.area.extent.width} << 32 | view.area.extent.height);

@@ -15,7 +15,7 @@ struct VirtualMapConstants {
     uvec4 given[MAX_PAGE_LEVELS];   // x: the level in which receivers of slice i are looked up first
     uint levels;      // at most MAX_PAGE_LEVELS
     uint slices;      // likewise, at least 1
-    float footprint;  // width of a pixel at linear depth 1, in texels that slice 0 asks for; over the map's clip w
+    float footprint;  // of what pixels ask for at linear depth 1, in texels of slice 0; over the map's clip w
     float pageTexels; // a side, without the border
     float border;     // texels around these
     float padding0;

@@ -50,13 +50,13 @@ struct Town {
         return lamp.type == GN_LIGHT_TYPE_SPOT ? fitSpot(lamp, bounds(), 4096, 4.0f) : fitDirectional(lamp, bounds());
     }
     PageGrid grid() const { return {fit(), lamp, view.origin, kTexels, kBorder}; }
-    void ask(std::uint32_t capacity)
+    void ask(std::uint32_t capacity, double density = 1.0)
     {
         ShadowTask task;
         task.view = &view;
         task.light = &lamp;
         task.casters = &casters;
-        requests.ask(task, bounds(), grid(), capacity);
+        requests.ask(task, bounds(), grid(), {capacity, density});
     }
     bool asks(const Page& page) const { return std::ranges::binary_search(requests.pages(), keyOf(page)); }
 };
@@ -122,7 +122,7 @@ TEST_CASE("where there is room, each point of a caster in sight has a page whose
         int points = 0;
         for (int i = 0; i < 100; ++i) {
             Town town(random, spot);
-            town.ask(8192);
+            town.ask(3000);
             const PageGrid grid = town.grid();
             for (int j = 0; j < 400; ++j) {
                 const Caster& caster = town.all[static_cast<std::size_t>(j) % town.all.size()];
@@ -160,7 +160,7 @@ TEST_CASE("no more pages are asked than there is room for, the coarsest level al
     for (int i = 0; i < 200; ++i) {
         Town town(random);
         const std::uint32_t capacity = 4u << (i % 7); // to 256
-        town.ask(capacity);
+        town.ask(capacity, i % 2 ? 1.0 : 4.0);
         const PageRequests& asked = town.requests;
         CHECK(asked.pages().size() <= capacity);
         CHECK(std::ranges::is_sorted(asked.pages()));
@@ -179,7 +179,7 @@ TEST_CASE("no more pages are asked than there is room for, the coarsest level al
             least = std::min(least, step);
             most = std::max(most, step);
         }
-        if (least <= most) CHECK(most <= least + 1);
+        if (least <= most) CHECK(most <= least + 2); // some near slices have a part of a finer level
         (most > 0 ? tight : loose) += 1;
     }
     CHECK(tight > 20);
