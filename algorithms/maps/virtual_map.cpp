@@ -306,7 +306,7 @@ constinit const AlgorithmEntry kVirtualMap{
         },
     .missing = nullptr,
     .create = makeAlgorithm<VirtualMap>,
-    .typicalWrongPercent = 0.2f, // virtual_map.md
+    .typicalWrongPercent = 0.25f, // virtual_map.md
     .followsView = true,
 };
 
