@@ -143,12 +143,7 @@ public:
         info.Queue = *gpu.queue;
         info.DescriptorPool = *pool_;
         info.MinImageCount = info.ImageCount = kInFlight; // sets of its vertex buffers
-#if IMGUI_VERSION_NUM < 19000
-        ImGui_ImplVulkan_Init(&info, *pass_);
-#else
-        info.RenderPass = *pass_;
-        ImGui_ImplVulkan_Init(&info);
-#endif
+        start(info, *pass_);
     }
     ~Ui()
     {
@@ -186,6 +181,18 @@ public:
     }
 
 private:
+    /// The pass was a parameter until it became a member, between two releases 1.90.x.
+    template <typename Info>
+    static void start(Info& info, VkRenderPass pass)
+    {
+        if constexpr (requires { info.RenderPass; }) {
+            info.RenderPass = pass;
+            ImGui_ImplVulkan_Init(&info);
+        } else {
+            ImGui_ImplVulkan_Init(&info, pass);
+        }
+    }
+
     Gpu& gpu_;
     const Window* window_;
     vk::raii::RenderPass pass_ = nullptr;

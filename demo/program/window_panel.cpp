@@ -17,6 +17,18 @@ namespace gnomon::demo {
 
 namespace {
 
+/// The pass was a parameter until it became a member, between two releases 1.90.x.
+template <typename Info>
+void startBackend(Info& info, VkRenderPass pass)
+{
+    if constexpr (requires { info.RenderPass; }) {
+        info.RenderPass = pass;
+        ImGui_ImplVulkan_Init(&info);
+    } else {
+        ImGui_ImplVulkan_Init(&info, pass);
+    }
+}
+
 /// Loads and stores a picture that was and will be copied.
 VkRenderPass makePass(const Device& device, VkFormat format)
 {
@@ -120,12 +132,7 @@ WindowPanel::WindowPanel(Session& session, const Window& window, uint32_t frames
     info.Queue = device.queue;
     info.DescriptorPool = parts_->pool.get();
     info.MinImageCount = info.ImageCount = std::max(framesInFlight, 2u); // sets of its vertex buffers
-#if IMGUI_VERSION_NUM < 19000
-    ImGui_ImplVulkan_Init(&info, parts_->pass.get());
-#else
-    info.RenderPass = parts_->pass.get();
-    ImGui_ImplVulkan_Init(&info);
-#endif
+    startBackend(info, parts_->pass.get());
 }
 
 WindowPanel::~WindowPanel()

@@ -1,4 +1,6 @@
 // Bytes of a pipeline cache, as they were and otherwise.
+#include <cstdint>
+
 #include <doctest/doctest.h>
 
 #include "runtime/vk/pipeline_cache_data.hpp"
