@@ -198,11 +198,11 @@ TEST_CASE(
     for (const std::string& line : lines(folder.path / "page.csv")) {
         std::vector<std::string> cells;
         REQUIRE(splitCsvLine(line, cells));
-        REQUIRE(cells.size() == 30);
+        REQUIRE(cells.size() == 32);
         if (cells[0] == "scene") continue;
         CHECK(cells[2] == "1"); // light
-        CHECK(cells[29].size() == 10);
-        wrong[cells[0] + " " + cells[1] + " " + cells[28]] = cells[12];
+        CHECK(cells[31].size() == 10); // date
+        wrong[cells[0] + " " + cells[1] + " " + cells[30]] = cells[12];
     }
     std::set<std::string> expected;
     for (const char* scene : {"room", "torus_grid"}) {
@@ -428,7 +428,7 @@ TEST_CASE("a radius given to bench makes lamps wide, one in degrees suns")
         double soft = 0.0, hard = 0.0;
         for (std::string line; std::getline(output, line);) {
             std::vector<std::string> cells;
-            if (!splitCsvLine(line, cells) || cells.size() != 28) continue;
+            if (!splitCsvLine(line, cells) || cells.size() != 30) continue;
             if (cells[1] == "coherence_sampling") soft = std::stod(cells[13]);
             if (cells[1] == "ray_traced") hard = std::stod(cells[13]);
         }
