@@ -132,7 +132,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that is dropped leaves the pages as they 
     CHECK(pagesDrawn(host) == 0);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "64 suns hold the memory that is foretold of them, each its own shadows")
+TEST_CASE_FIXTURE(DeviceTest, "64 suns hold the memory predicted for them, each its own shadows")
 {
     Scene scene = land();
     const demo::Light sun = scene.lights[0];
