@@ -255,13 +255,13 @@ void MapReader::finish() const
 {
     for (const yaml::Key& key : shape_.allKeys())
         if (key.isRequired && !lookUp(map_, key.name))
-            raise(context_, map_, "'" + std::string(key.name) + "' is missing");
+            raise(context_, map_, std::string("'").append(key.name).append("' is missing"));
     for (size_t i = 0; i + 1 < map_.children.size(); i += 2) {
         const YamlNode& key = map_.children[i];
         if (std::find(known_.begin(), known_.end(), key.text) != known_.end()) continue;
         std::string list;
         for (const std::string& known : known_)
-            list += (list.empty() ? "" : ", ") + known;
+            list.append(list.empty() ? "" : ", ").append(known);
         raise(context_, key, "unknown key '" + key.text + "'; known here: " + list);
     }
 }
