@@ -70,14 +70,14 @@ struct AlgorithmEntry {
     const char* name;
     const char* source; ///< Thesis section or paper.
     GnTraits traits;
-    std::uint32_t roundTrips; ///< GPU-CPU-GPU; 0: may be recorded. See memoryWithDeviceRays.
-    std::uint32_t maxRounds;  ///< Levels that declareLater may add.
+    std::uint32_t roundTrips = 0; ///< GPU-CPU-GPU; 0: may be recorded. See memoryWithDeviceRays.
+    std::uint32_t maxRounds = 0;  ///< Levels that declareLater may add.
     std::span<const SettingSpec> settings;
     /// Device bytes that a light of the kind needs in a view of this extent.
-    VkDeviceSize (*memoryPerLight)(std::span<const double> settings, VkExtent2D extent, GnLightType type);
+    VkDeviceSize (*memoryPerLight)(std::span<const double> settings, VkExtent2D extent, GnLightType type) = nullptr;
     /// Null, or why the device cannot run it ("needs depthClamp"). Static storage.
-    const char* (*missing)(const DeviceTable& vk);
-    std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services);
+    const char* (*missing)(const DeviceTable& vk) = nullptr;
+    std::unique_ptr<ShadowAlgorithm> (*create)(const AlgorithmServices& services) = nullptr;
 
     // Algorithms registered through the C plug-in interface (runtime/api/plugin.hpp) instead of the three functions
     // above.

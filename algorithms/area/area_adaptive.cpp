@@ -54,13 +54,11 @@ constinit const AlgorithmEntry kAreaAdaptive{
     .source = "Schwarzler et al. 2012; Macedo 2018, 6.1",
     .traits = kAreaTraits,
     .roundTrips = kQuadLevels,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType) {
             return quadMemory(static_cast<std::uint32_t>(settings[kResolution]), extent, 4);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<AreaAdaptive>,
     .typicalWrongPercent = kAreaWrongPercent,
 };

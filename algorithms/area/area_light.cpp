@@ -176,11 +176,8 @@ constinit const AlgorithmEntry kAreaLight{
     .name = "area_light",
     .source = "Heckbert and Herf 1997; Macedo 2018, 6.1",
     .traits = kAreaTraits,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
-    .missing = nullptr,
     .create = makeAlgorithm<AreaLight>,
     .typicalWrongPercent = kAreaWrongPercent,
 };

@@ -68,13 +68,11 @@ constinit const AlgorithmEntry kAreaRevectorized{
     .source = "Macedo 2018, 6",
     .traits = kAreaTraits,
     .roundTrips = kQuadLevels,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType) {
             return quadMemory(static_cast<std::uint32_t>(settings[kResolution]), extent, 16);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<AreaRevectorized>,
     .typicalWrongPercent = kAreaWrongPercent,
 };

@@ -94,8 +94,6 @@ constinit const AlgorithmEntry kMoments{
     .source = "Donnelly and Lauritzen 2006; Annen 2008; Lauritzen 2008; Peters and Klein 2015",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
@@ -103,7 +101,6 @@ constinit const AlgorithmEntry kMoments{
             return depthMapMemory(resolution, mapLayers(type)) +
                    MomentMaps::memory(filterOf(settings), resolution, mapLayers(type));
         },
-    .missing = nullptr,
     .create = makeAlgorithm<Moments>,
     .typicalWrongPercent = 1.3f, // moments.md
 };

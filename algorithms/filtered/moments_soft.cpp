@@ -93,15 +93,12 @@ constinit const AlgorithmEntry kMomentsSoft{
     .source = "Yang et al. 2010; Peters et al. 2016",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
             const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
             return depthMapMemory(resolution, mapLayers(type)) + SummedTables::memory(resolution, mapLayers(type));
         },
-    .missing = nullptr,
     .create = makeAlgorithm<MomentsSoft>,
     .typicalWrongPercent = 0.6f, // moments_soft.md
 };

@@ -47,11 +47,8 @@ constinit const AlgorithmEntry kScreenSoft{
     .source = "MohammadBagher et al. 2010; Zheng and Saito 2011",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kScreenPenumbraSettings,
     .memoryPerLight = ScreenPenumbra::memory,
-    .missing = nullptr,
     .create = makeAlgorithm<ScreenSoft>,
     .typicalWrongPercent = 0.54f, // of lights without a radius: shadow_map's
 };

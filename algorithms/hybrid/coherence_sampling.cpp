@@ -100,11 +100,9 @@ constinit const AlgorithmEntry kCoherenceSampling{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
-    .missing = nullptr,
     .create = makeAlgorithm<CoherenceSampling>,
     .typicalWrongPercent = 0.0f, // ray_traced's: lights of shipped scenes have no radius
 };

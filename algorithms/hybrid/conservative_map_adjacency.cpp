@@ -56,14 +56,12 @@ constinit const AlgorithmEntry kConservativeMapAdjacency{
     .source = "Morais 2015, 4",
     .traits = ConservativeMethod::kTraits | GN_TRAIT_TOPOLOGY_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = ConservativeMethod::kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             return ConservativeMethod::memory(settings, extent, type) +
                    ConservativeSheets::memory(static_cast<std::uint32_t>(settings[ConservativeMethod::kResolution]));
         },
-    .missing = nullptr,
     .create = makeAlgorithm<ConservativeMapAdjacency>,
     .approximates = ConservativeMethod::approximates,
     .memoryWithDeviceRays =

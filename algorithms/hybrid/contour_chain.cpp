@@ -179,7 +179,6 @@ constinit const AlgorithmEntry kContourChain{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {

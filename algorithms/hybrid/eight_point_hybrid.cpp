@@ -96,14 +96,12 @@ constinit const AlgorithmEntry kEightPointHybrid{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), kLightPoints) +
                    undecidedMemory(extent);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<EightPointHybrid>,
     .typicalWrongPercent = 0.0f, // ray_traced's: lights of shipped scenes have no radius
 };

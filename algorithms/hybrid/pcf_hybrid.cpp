@@ -82,14 +82,12 @@ constinit const AlgorithmEntry kPcfHybrid{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type)) +
                    undecidedMemory(extent);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<PcfHybrid>,
     .typicalWrongPercent = 0.032f, // docs/benchmarks-2026-11.md
     .memoryWithDeviceRays =

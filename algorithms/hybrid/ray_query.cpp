@@ -34,9 +34,6 @@ constinit const AlgorithmEntry kRayQuery{
     .source = "Appel 1968; VK_KHR_ray_query",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
-    .settings = {},
     .memoryPerLight = [](std::span<const double>, VkExtent2D, GnLightType) { return VkDeviceSize{0}; },
     .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },
     .create = makeAlgorithm<RayQuery>,

@@ -280,8 +280,6 @@ constinit const AlgorithmEntry kRaySoft{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_RECTANGLE_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
               GN_TRAIT_DEVICE_RAYS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return softMemory(extent); },
     .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },

@@ -115,15 +115,12 @@ constinit const AlgorithmEntry kCascades{
     .name = "cascades",
     .source = "Zhang, Sun, Xu and Lun 2006",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]),
                                   static_cast<std::uint32_t>(settings[kCount]));
         },
-    .missing = nullptr,
     .create = makeAlgorithm<Cascades>,
     .typicalWrongPercent = 0.29f, // cascades.md
     .followsView = true,

@@ -106,12 +106,9 @@ constinit const AlgorithmEntry kShadowMap{
     .source = "Williams 1978; Reeves, Salesin and Cook 1987",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
               GN_TRAIT_FALLBACK_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
-    .missing = nullptr,
     .create = makeAlgorithm<ShadowMap>,
     .typicalWrongPercent = 0.54f, // docs/benchmarks-2026-11.md
 };

@@ -296,15 +296,12 @@ constinit const AlgorithmEntry kVirtualMap{
     .source = "ours; after Tanner, Migdal and Jones 1998",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
               GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType) {
             const Pool pool = Pool::of(settings);
             return depthMapMemory(pool.side, pool.capacity) + kBooksMemory;
         },
-    .missing = nullptr,
     .create = makeAlgorithm<VirtualMap>,
     .typicalWrongPercent = 0.54f, // 0.27 of 2048 texels a side in bunny (exactness_bounds_tests)
     .followsView = true,

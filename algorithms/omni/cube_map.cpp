@@ -66,12 +66,9 @@ constinit const AlgorithmEntry kCubeMap{
     .source = "Navratil 2015, 3.3.1; King and Newhall 2005",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_FALLBACK_BIT |
               GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6); },
-    .missing = nullptr,
     .create = makeAlgorithm<CubeMapMethod>,
     .typicalWrongPercent = 0.35f, // docs/benchmarks-2026-11.md
 };

@@ -49,12 +49,9 @@ constinit const AlgorithmEntry kDualParaboloid{
     .name = "dual_paraboloid",
     .source = "Brabec, Annen and Seidel 2002; Navratil 2015, 3.3.2",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return paraboloidMemory(settings[kResolution]); },
-    .missing = nullptr,
     .create = makeAlgorithm<DualParaboloid>,
     .typicalWrongPercent = 0.64f, // docs/benchmarks-2026-11.md
 };

@@ -64,12 +64,9 @@ constinit const AlgorithmEntry kImprovedParaboloid{
     .name = "improved_paraboloid",
     .source = "Navratil 2015, 4.1.1 to 4.1.3",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return paraboloidMemory(settings[kResolution]); },
-    .missing = nullptr,
     .create = makeAlgorithm<ImprovedParaboloid>,
     .typicalWrongPercent = 0.64f, // dual_paraboloid's, which it is where lights are in view
     .followsView = true,

@@ -59,12 +59,9 @@ constinit const AlgorithmEntry kSkewedParaboloid{
     .name = "skewed_paraboloid",
     .source = "Navratil 2015, 4.1.4",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return paraboloidMemory(settings[kResolution]); },
-    .missing = nullptr,
     .create = makeAlgorithm<SkewedParaboloid>,
     .typicalWrongPercent = 0.58f, // as gnomon bench prints it for colonnade, skewed_paraboloid.md
     .followsView = true,

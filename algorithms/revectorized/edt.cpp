@@ -42,15 +42,12 @@ constinit const AlgorithmEntry kEdt{
     .source = "Macedo 2018, 4.2; Meijster, Roerdink and Hesselink 2000",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type,
                                             settings[kMean]);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<Edt>,
     .typicalWrongPercent = 0.4f, // edt.md
 };

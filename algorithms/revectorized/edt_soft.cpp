@@ -46,15 +46,12 @@ constinit const AlgorithmEntry kEdtSoft{
     .source = "Macedo 2018, 5.2; Meijster, Roerdink and Hesselink 2000",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {
             return DistancePenumbra::memory(static_cast<std::uint32_t>(settings[kResolution]), extent, type,
                                             settings[kMean]);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<EdtSoft>,
     .typicalWrongPercent = 0.4f, // of lights without a radius: rbsm's
 };

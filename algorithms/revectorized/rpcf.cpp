@@ -40,14 +40,11 @@ constinit const AlgorithmEntry kRpcf{
     .source = "Macedo 2018, 4.1.2",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
             return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type));
         },
-    .missing = nullptr,
     .create = makeAlgorithm<Rpcf>,
     .typicalWrongPercent = 1.2f, // rpcf.md
 };

@@ -39,11 +39,8 @@ constinit const AlgorithmEntry kSsrbssm{
     .source = "Macedo 2018, 5.4",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kScreenPenumbraSettings,
     .memoryPerLight = ScreenPenumbra::memory,
-    .missing = nullptr,
     .create = makeAlgorithm<Ssrbssm>,
     .typicalWrongPercent = 0.37f, // of lights without a radius: rbsm's
 };

@@ -50,8 +50,6 @@ const AlgorithmEntry kAllEdgesVolume{
     .source = "Kolic, Mihajlovic and Budin 2004; Rautenbach 2008, 2.4",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     // Lists belong to meshes, not to lights.
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return viewStencilMemory(extent); },

@@ -225,11 +225,9 @@ constinit const AlgorithmEntry kAngularSpans{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
-    .missing = nullptr,
     .create = makeAlgorithm<AngularSpans>,
     .typicalWrongPercent = 0.162f, // angular_spans.md, bunny
 };

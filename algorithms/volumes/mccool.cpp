@@ -392,8 +392,6 @@ const AlgorithmEntry kMccool{
     .name = "mccool",
     .source = "McCool 2000; Rautenbach 2008, 3.3.1",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {

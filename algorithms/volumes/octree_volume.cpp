@@ -178,8 +178,6 @@ const AlgorithmEntry kOctreeVolume{
     .source = "Rautenbach 2008, 3.3.4 and 4.3.6",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,

@@ -137,8 +137,6 @@ const AlgorithmEntry kPenumbraWedges{
     .source = "Assarsson and Akenine-Moeller 2003; Rautenbach 2008, 2.4.4.3",
     .traits = GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForWedges,

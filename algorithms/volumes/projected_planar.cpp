@@ -241,9 +241,6 @@ const AlgorithmEntry kProjectedPlanar{
     .source = "Blinn 1988; Rautenbach 2008, 2.4.2",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_PLANAR_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
-    .settings = {},
     .memoryPerLight =
         [](std::span<const double>, VkExtent2D extent, GnLightType) {
             const VkDeviceSize tiles = VkDeviceSize{extent.width / gpu::PLANE_TILE} * (extent.height / gpu::PLANE_TILE);

@@ -86,8 +86,6 @@ const AlgorithmEntry kStencilVolume{
     .source = "Rautenbach 2008, 3.1; Heidmann 1991; Everitt and Kilgard 2002",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,

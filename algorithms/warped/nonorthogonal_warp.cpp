@@ -175,8 +175,6 @@ constinit const AlgorithmEntry kNonorthogonalWarp{
     .source = "Navratil 2015, 4.2",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
@@ -186,7 +184,6 @@ constinit const AlgorithmEntry kNonorthogonalWarp{
             return maps * side * side * 4 + 2 * pooledSize(maps * sizes.counts) + pooledSize(maps * sizes.functions) +
                    pooledSize(maps * sizes.tables.bytes()) + maps * sizes.tables.placesBytes(side);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<NonorthogonalWarp>,
     .typicalWrongPercent = 0.3f, // nonorthogonal_warp.md
     .followsView = true,

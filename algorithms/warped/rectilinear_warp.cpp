@@ -124,8 +124,6 @@ constinit const AlgorithmEntry kRectilinearWarp{
     .source = "Rosen 2012; Navratil 2015, 3.2.3",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_CPU_GEOMETRY_BIT,
-    .roundTrips = 0,
-    .maxRounds = 0,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {
@@ -134,7 +132,6 @@ constinit const AlgorithmEntry kRectilinearWarp{
             return maps * side * side * 4 + pooledSize(maps * tablesOf(side).bytes()) +
                    maps * tablesOf(side).placesBytes(side) + pooledSize(maps * kImportanceBytes);
         },
-    .missing = nullptr,
     .create = makeAlgorithm<RectilinearWarp>,
     .typicalWrongPercent = 0.4f, // rectilinear_warp.md
     .followsView = true,
