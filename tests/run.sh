@@ -8,6 +8,6 @@ source "$root/cmake/setup.sh"
 install_packages tests
 build_release ON
 say "testing"
-# Two at a time: the device uses every core, but half of a test is one thread's work: ten minutes on two
+# Two at a time: the device uses every core, but half of a test is one thread's work. About 40 minutes on two
 # cores.
 exec ctest --preset release --no-tests=error --parallel 2 "$@"

@@ -92,7 +92,7 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
 
 /// Pixels across a texel of a plain map of 1024, on average over a light's receivers, for which the knowledge's wrong
 /// percents hold. Lights of eight shipped scenes with sides by coverage, texels of 0.1 to 30 pixels: the median of what
-/// each implies is 0.58 for shadow_map and 0.37 for cube_map, and errors grow as the width to the power of 1.1 and 0.7.
+/// each implies is 0.58 for one map and 0.37 for six faces, and errors grow as the width to the power of 1.1 and 0.7.
 constexpr double kUsualTexelPixels = 0.45;
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)

@@ -281,7 +281,7 @@ private:
         return text;
     }
 
-    /// "light 'sun', frame 12: shadow_map at 512, highest suitability": what stands after the method.
+    /// "light 'sun', frame 12: METHOD at 512, highest suitability": what stands after the method.
     std::string firstReason(const ImguiLight& light) const
     {
         std::string line = ask(light, GN_QUESTION_WHY, nullptr);
