@@ -9,8 +9,6 @@ void CompactedSizes::begin()
 {
     if (std::exchange(tried_, true)) return;
     const VkQueryPoolCreateInfo info{.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-                                     .pNext = nullptr,
-                                     .flags = 0,
                                      .queryType = VK_QUERY_TYPE_ACCELERATION_STRUCTURE_COMPACTED_SIZE_KHR,
                                      .queryCount = static_cast<std::uint32_t>(kQueries),
                                      .pipelineStatistics = 0};

@@ -79,7 +79,6 @@ void DeviceRays::declareCompactions(PassBuilder& passes, std::uint32_t variant)
         for (const Compaction& compaction : compactions) {
             const VkCopyAccelerationStructureInfoKHR info{.sType =
                                                               VK_STRUCTURE_TYPE_COPY_ACCELERATION_STRUCTURE_INFO_KHR,
-                                                          .pNext = nullptr,
                                                           .src = gpu.structure(compaction.from),
                                                           .dst = gpu.structure(compaction.to),
                                                           .mode = VK_COPY_ACCELERATION_STRUCTURE_MODE_COMPACT_KHR};

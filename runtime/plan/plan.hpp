@@ -231,8 +231,4 @@ private:
     bool started_ = false;
 };
 
-const char* toText(Why why) noexcept;   ///< "floor": the words of logs and explanations.
-const char* toText(Hold hold) noexcept; ///< "threshold"
-const char* toText(Cause cause) noexcept;
-
 } // namespace gnomon::plan

@@ -1,4 +1,4 @@
-// What is left of a plan: what lights remember, why a method is not a light's, and the words of logs.
+// What is left of a plan: what lights remember, and why a method is not a light's.
 #include "runtime/plan/plan.hpp"
 
 namespace gnomon::plan {
@@ -65,26 +65,6 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, const PlanRe
         plan.hold = banned ? Hold::ban : fits ? Hold::threshold : Hold::margin;
         plan.wanted = held;
     }
-}
-
-const char* toText(Why why) noexcept
-{
-    static constexpr const char* kWords[] = {"chosen", "trait",  "pinned",     "never",     "no opinion",
-                                             "floor",  "budget", "hysteresis", "outscored", "price"};
-    return kWords[static_cast<size_t>(why)];
-}
-
-const char* toText(Hold hold) noexcept
-{
-    static constexpr const char* kWords[] = {"none",       "threshold", "margin",     "quota",
-                                             "spare time", "ban",       "first frame"};
-    return kWords[static_cast<size_t>(hold)];
-}
-
-const char* toText(Cause cause) noexcept
-{
-    static constexpr const char* kWords[] = {"kept", "forced", "repaired", "gain", "fresh"};
-    return kWords[static_cast<size_t>(cause)];
 }
 
 } // namespace gnomon::plan

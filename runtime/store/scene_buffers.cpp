@@ -11,7 +11,6 @@ namespace {
 // What the host wrote on this queue comes before, and so does every read of the copies as they were.
 constexpr VkMemoryBarrier2 kConversionsAfterAll{
     .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-    .pNext = nullptr,
     .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
     .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
     .dstStageMask = VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_COPY_BIT,
@@ -29,7 +28,6 @@ VkMemoryBarrier2 conversionsBeforeReads(const DeviceTable& vk)
     return barrier;
 }
 constexpr VkMemoryBarrier2 kCopiesBeforeHost{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                             .pNext = nullptr,
                                              .srcStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,
                                              .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                              .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT,

@@ -156,7 +156,6 @@ namespace {
 // A mesh may lie where another resource lay. The CPU knows that the GPU has done with that; as of all fresh memory
 // (kFreshSync), the queue is told so as well.
 constexpr VkMemoryBarrier2 kUploadsAfterAll{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                            .pNext = nullptr,
                                             .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
                                             .dstStageMask = VK_PIPELINE_STAGE_2_COPY_BIT,

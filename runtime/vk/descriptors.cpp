@@ -7,30 +7,18 @@ namespace {
 
 VkSamplerCreateInfo samplerInfo(SamplerKind kind)
 {
-    const bool linear = kind == SamplerKind::linear || kind == SamplerKind::compareLinear;
-    const bool edge = kind == SamplerKind::nearest || kind == SamplerKind::linear;
-    const bool compare = kind == SamplerKind::compareNearest || kind == SamplerKind::compareLinear;
-    const VkFilter filter = linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
     const VkSamplerAddressMode address =
-        edge ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+        kind == SamplerKind::nearest ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    // No image has a second level; equal limits of levels, both 0, spare a software device their arithmetic.
     return {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO,
-            .pNext = nullptr,
-            .flags = 0,
-            .magFilter = filter,
-            .minFilter = filter,
+            .magFilter = VK_FILTER_NEAREST,
+            .minFilter = VK_FILTER_NEAREST,
             .mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST,
             .addressModeU = address,
             .addressModeV = address,
             .addressModeW = address,
-            .mipLodBias = 0.0f,
-            .anisotropyEnable = VK_FALSE,
             .maxAnisotropy = 1.0f,
-            .compareEnable = compare,
-            .compareOp = compare ? VK_COMPARE_OP_LESS_OR_EQUAL : VK_COMPARE_OP_NEVER,
-            .minLod = 0.0f, // no image has a second level; equal limits spare a software device the level arithmetic
-            .maxLod = 0.0f,
-            .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE, // depth 1: far, lit
-            .unnormalizedCoordinates = VK_FALSE};
+            .borderColor = VK_BORDER_COLOR_FLOAT_OPAQUE_WHITE}; // depth 1: far, lit
 }
 
 } // namespace

@@ -20,7 +20,7 @@ public:
 
 private:
     const DeviceTable& vk_;
-    VkSampler samplers_[5] = {};
+    VkSampler samplers_[2] = {};
 };
 
 } // namespace gnomon

@@ -65,9 +65,6 @@ const VkPhysicalDeviceAccelerationStructureFeaturesKHR kRayFeatures{
     .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR,
     .pNext = const_cast<VkPhysicalDeviceRayQueryFeaturesKHR*>(&kRayQuery), // which nobody writes: a chain that is given
     .accelerationStructure = VK_TRUE,
-    .accelerationStructureCaptureReplay = VK_FALSE,
-    .accelerationStructureIndirectBuild = VK_FALSE,
-    .accelerationStructureHostCommands = VK_FALSE,
     .descriptorBindingAccelerationStructureUpdateAfterBind = VK_FALSE};
 
 /// Whether the device lists all of kRayExtensions.

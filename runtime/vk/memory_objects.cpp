@@ -19,18 +19,13 @@ struct ViewPart {
 
 Result<VkImageView> createView(const DeviceTable& vk, const GpuImage& image, const ViewPart& part, const char* name)
 {
-    const VkImageViewCreateInfo info{.sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
-                                     .pNext = nullptr,
-                                     .flags = 0,
-                                     .image = image.image,
-                                     .viewType = part.type,
-                                     .format = image.format,
-                                     .components = {},
-                                     .subresourceRange = {.aspectMask = part.aspects,
-                                                          .baseMipLevel = 0,
-                                                          .levelCount = 1,
-                                                          .baseArrayLayer = part.layer,
-                                                          .layerCount = part.layers}};
+    const VkImageViewCreateInfo info{
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = image.image,
+        .viewType = part.type,
+        .format = image.format,
+        .subresourceRange = {
+            .aspectMask = part.aspects, .levelCount = 1, .baseArrayLayer = part.layer, .layerCount = part.layers}};
     VkImageView view = VK_NULL_HANDLE;
     const VkResult result = vk.vkCreateImageView(vk.device, &info, vk.hostAllocator, &view);
     if (result != VK_SUCCESS) return vulkanError(result, "vkCreateImageView");
@@ -158,8 +153,6 @@ Result<void> DeviceMemory::fillImage(GpuImage& image, const ImageCreate& info)
 {
     const bool shared = info.concurrent && families_.size() > 1;
     const VkImageCreateInfo create{.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-                                   .pNext = nullptr,
-                                   .flags = 0,
                                    .imageType = VK_IMAGE_TYPE_2D,
                                    .format = info.format,
                                    .extent = {info.extent.width, info.extent.height, 1},
@@ -214,12 +207,9 @@ Result<GpuBuffer> DeviceMemory::createBuffer(VkDeviceSize size, VkBufferUsageFla
 Result<void> DeviceMemory::fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usage, MemoryUse use, const char* name)
 {
     const VkBufferCreateInfo create{.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                    .pNext = nullptr,
-                                    .flags = 0,
                                     .size = buffer.size,
                                     .usage = usage,
                                     .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
-                                    .queueFamilyIndexCount = 0,
                                     .pQueueFamilyIndices = nullptr};
     VkResult result = vk_.vkCreateBuffer(vk_.device, &create, vk_.hostAllocator, &buffer.buffer);
     if (result != VK_SUCCESS) {
@@ -269,8 +259,6 @@ Result<GpuBuffer> DeviceMemory::createStructure(VkDeviceSize size, VkAcceleratio
 Result<void> DeviceMemory::fillStructure(GpuBuffer& buffer, VkAccelerationStructureTypeKHR type, const char* name)
 {
     const VkAccelerationStructureCreateInfoKHR create{.sType = VK_STRUCTURE_TYPE_ACCELERATION_STRUCTURE_CREATE_INFO_KHR,
-                                                      .pNext = nullptr,
-                                                      .createFlags = 0,
                                                       .buffer = buffer.buffer,
                                                       .offset = 0,
                                                       .size = buffer.size,

@@ -17,8 +17,6 @@ struct Stage {
     VkPipelineShaderStageCreateInfo info(VkShaderStageFlagBits stage) const
     {
         return {.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
-                .pNext = nullptr,
-                .flags = 0,
                 .stage = stage,
                 .module = module.get(),
                 .pName = "main",
@@ -64,8 +62,6 @@ Result<void> createLayouts(const DeviceTable& vk, Pipeline& pipeline)
     ++vk.objectsMade;
     const VkPushConstantRange push{pipeline.pushStages, 0, pipeline.pushBytes};
     const VkPipelineLayoutCreateInfo info{.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                          .pNext = nullptr,
-                                          .flags = 0,
                                           .setLayoutCount = 1,
                                           .pSetLayouts = &pipeline.setLayout,
                                           .pushConstantRangeCount = pipeline.pushBytes ? 1u : 0u,
@@ -204,12 +200,10 @@ Result<void> createGraphics(const DeviceTable& vk, VkPipelineCache cache, const 
     const GraphicsState state(info);
     const VkGraphicsPipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                               .pNext = &state.rendering,
-                                              .flags = 0,
                                               .stageCount = shaded ? 2u : 1u,
                                               .pStages = stages.data(),
                                               .pVertexInputState = &state.vertexInput,
                                               .pInputAssemblyState = &state.assembly,
-                                              .pTessellationState = nullptr,
                                               .pViewportState = &state.viewport,
                                               .pRasterizationState = &state.raster,
                                               .pMultisampleState = &state.multisample,
@@ -217,9 +211,6 @@ Result<void> createGraphics(const DeviceTable& vk, VkPipelineCache cache, const 
                                               .pColorBlendState = &state.blend,
                                               .pDynamicState = &state.dynamic,
                                               .layout = pipeline.layout,
-                                              .renderPass = VK_NULL_HANDLE,
-                                              .subpass = 0,
-                                              .basePipelineHandle = VK_NULL_HANDLE,
                                               .basePipelineIndex = -1};
     const VkResult result =
         vk.vkCreateGraphicsPipelines(vk.device, cache, 1, &create, vk.hostAllocator, &pipeline.pipeline);
@@ -233,11 +224,8 @@ Result<void> createCompute(const DeviceTable& vk, VkPipelineCache cache, const C
     Stage stage;
     if (Result<void> opened = openStage(vk, info.compute, info.name, stage); !opened) return opened;
     const VkComputePipelineCreateInfo create{.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
-                                             .pNext = nullptr,
-                                             .flags = 0,
                                              .stage = stage.info(VK_SHADER_STAGE_COMPUTE_BIT),
                                              .layout = pipeline.layout,
-                                             .basePipelineHandle = VK_NULL_HANDLE,
                                              .basePipelineIndex = -1};
     const VkResult result =
         vk.vkCreateComputePipelines(vk.device, cache, 1, &create, vk.hostAllocator, &pipeline.pipeline);

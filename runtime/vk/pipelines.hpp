@@ -23,11 +23,8 @@ enum class BindingKind : std::uint8_t {
     structure, ///< accelerationStructureEXT; needs DeviceTable::rayQuery()
 };
 enum class SamplerKind : std::uint8_t {
-    nearest, ///< clamp to edge
-    linear,
+    nearest,          ///< clamp to edge
     nearestBorderFar, ///< clamp to a border of depth 1
-    compareNearest,   ///< LESS_OR_EQUAL, border 1 (lit)
-    compareLinear,    ///< LESS_OR_EQUAL, border 1 (lit)
 };
 
 struct BindingInfo {

@@ -20,18 +20,13 @@ constexpr VkExtent2D kScreenExtent{3, 5};
 void fullBarrier(const DeviceTable& vk, VkCommandBuffer cmd, std::span<const VkImageMemoryBarrier2> images = {})
 {
     const VkMemoryBarrier2 memory{.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                  .pNext = nullptr,
                                   .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                   .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
                                   .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                   .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT};
     const VkDependencyInfo info{.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                                .pNext = nullptr,
-                                .dependencyFlags = 0,
                                 .memoryBarrierCount = 1,
                                 .pMemoryBarriers = &memory,
-                                .bufferMemoryBarrierCount = 0,
-                                .pBufferMemoryBarriers = nullptr,
                                 .imageMemoryBarrierCount = static_cast<std::uint32_t>(images.size()),
                                 .pImageMemoryBarriers = images.data()};
     vk.vkCmdPipelineBarrier2(cmd, &info);
@@ -267,7 +262,6 @@ void WarmupDraws::clearStandIns(VkCommandBuffer cmd) const
     barriers.reserve(standIns_.size());
     for (const std::unique_ptr<StandIn>& standIn : standIns_)
         barriers.push_back({.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                            .pNext = nullptr,
                             .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
                             .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
@@ -329,11 +323,8 @@ void WarmupDraws::recordDraw(VkCommandBuffer cmd, const WarmupDraw& draw, float 
     const VkImageAspectFlags aspects = draw.depth ? aspectsOf(draw.depth->format) : 0;
     const VkRect2D area{{0, 0}, {kTargetSide, kTargetSide}};
     const VkRenderingInfo rendering{.sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
-                                    .pNext = nullptr,
-                                    .flags = 0,
                                     .renderArea = area,
                                     .layerCount = 1,
-                                    .viewMask = 0,
                                     .colorAttachmentCount = draw.color ? 1u : 0u,
                                     .pColorAttachments = &color,
                                     .pDepthAttachment = aspects & VK_IMAGE_ASPECT_DEPTH_BIT ? &depth : nullptr,

@@ -205,7 +205,7 @@ constexpr BindingInfo kResolveBindings[] = {
      .kind = BindingKind::sampledImage,
      .format = VK_FORMAT_D32_SFLOAT,
      .array = true,
-     .sampler = SamplerKind::compareLinear,
+     .sampler = SamplerKind::nearestBorderFar,
      .powerOfTwo = true},
     {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT_S8_UINT, .stencil = true},
     {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT_S8_UINT},
