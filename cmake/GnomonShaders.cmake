@@ -2,6 +2,8 @@ find_program(GLSLANG_VALIDATOR glslangValidator REQUIRED)
 
 # gnomon_embed_shaders(target SHADERS file.frag ... )
 # SPIR-V 1.5 (vulkan1.2): for 1.3 glslang emits LocalSizeId, which needs maintenance4.
+# Not optimised by -Os: that halves it, and a driver makes pipelines in half the time, but turns branches into selects:
+# lavapipe takes 1.11 times as long for `moments` and 1.05 for `pcss` (processor time of `gnomon bench`, alternated).
 # Compiles GLSL below shaders/ to SPIR-V and makes each available to `target` as
 #   #include "shaders/<path with dots and slashes as underscores>.h"  ->  const uint32_t k_<same name>[]
 # HLSL is compute shaders, for tests of what hosts include.
