@@ -1,5 +1,4 @@
 // What is known of times from outside: a knowledge base that somebody measured, and timings for who measures one.
-#include <algorithm>
 #include <array>
 
 #include "runtime/api/context.hpp"
@@ -22,15 +21,6 @@ Result<void> Context::loadKnowledge(std::string_view text, std::string_view file
     const std::string file(fileName);
     cost::KnowledgeResult parsed = cost::parseKnowledge(text);
     if (!parsed.base) return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused", file + ": " + parsed.error};
-    for (const std::string& finding : parsed.base->findings)
-        messages_.warn("KnowledgeRow", file + ": " + finding);
-    const auto hasTimes = [](const cost::DeviceKnowledge& device) {
-        return !device.parts.empty() || std::any_of(device.algorithms.begin(), device.algorithms.end(),
-                                                    [](const cost::AlgorithmCost& cost) { return cost.isTimed(); });
-    };
-    if (std::none_of(parsed.base->devices.begin(), parsed.base->devices.end(), hasTimes) && parsed.base->rejected > 0)
-        return Error{GN_ERROR_KNOWLEDGE, "KnowledgeRefused",
-                     file + ": none of its " + std::to_string(parsed.base->rejected) + " rows can be used"};
     takeKnowledge(std::move(*parsed.base), file);
     return {};
 }

@@ -71,6 +71,7 @@ public:
             if (line.empty() || line.front() == '#') continue;
             if (++rows > kMaxKnowledgeRows) return failure("more than 8192 rows");
             readRow(line);
+            if (!error_.empty()) return failure(std::move(error_));
         }
         std::erase_if(base_.devices, [](const auto& d) { return d.algorithms.empty() && d.parts.empty(); });
         return {std::move(base_), {}};
@@ -90,12 +91,7 @@ private:
         return {};
     }
 
-    void reject(std::string_view why)
-    {
-        ++base_.rejected;
-        if (base_.findings.size() < kMaxFindings)
-            base_.findings.push_back("line " + std::to_string(line_) + ": " + std::string(why));
-    }
+    void reject(std::string_view why) { error_ = "line " + std::to_string(line_) + ": " + std::string(why); }
 
     const std::string& cell(Column column) const { return cells_[places_[column]]; }
 
@@ -152,6 +148,7 @@ private:
     }
 
     KnowledgeBase base_;
+    std::string error_; ///< Of the newest row.
     std::vector<std::string> cells_;
     std::array<double, kColumns> numbers_{};
     std::array<size_t, kColumns> places_{};

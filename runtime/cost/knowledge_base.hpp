@@ -15,8 +15,8 @@
 /// of `samples` measurements, and `first_frame_ms`, the median by which the first frame takes longer | | `view:NAME` |
 /// milliseconds of a pass that the view's lights share, per million pixels |
 ///
-/// A row that cannot be used is left out and reported; an unknown version, a missing column or a file that is no table
-/// is an error and leaves nothing.
+/// A row that cannot be used, an unknown version, a missing column or a file that is no table is an error and leaves
+/// nothing: the first such row says that others may be wrong without showing it.
 
 #include <array>
 #include <cstdint>
@@ -71,17 +71,14 @@ struct DeviceKnowledge {
 
 struct KnowledgeBase {
     std::vector<DeviceKnowledge> devices;
-    std::vector<std::string> findings; ///< "line 7: fixed_ms is no measurement"; at most kMaxFindings.
-    uint32_t rejected = 0;             ///< Rows left out.
 
     /// That of the device of this name; else of the first of its kind; else the first. Null: there is none.
     const DeviceKnowledge* nearestTo(std::string_view device, std::string_view kind) const noexcept;
 };
-inline constexpr uint32_t kMaxFindings = 32;
 
 struct KnowledgeResult {
     std::optional<KnowledgeBase> base;
-    std::string error; ///< Why there is none.
+    std::string error; ///< Why there is none: "line 7: fixed_ms 'nan' is no measurement".
 };
 
 /// The largest number that any row can hold: eleven days in milliseconds. A larger one is no measurement.

@@ -135,10 +135,26 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base that cannot be used is refused a
     for (size_t at = nonsense.find(",0.1,40,"); at != std::string::npos; at = nonsense.find(",0.1,40,"))
         nonsense.replace(at, 8, ",0.1,nan,");
     CHECK(load(host, nonsense) == GN_ERROR_KNOWLEDGE);
-    CHECK(anyContains(host.takeMessages(), "base.csv: line 3: "));
+    CHECK(anyContains(host.takeMessages(), "base.csv: line 3: fixed_ms 'nan' is no measurement"));
     CHECK(load(host, cost::writeKnowledge({})) == GN_SUCCESS); // an empty one: a remark
     CHECK(anyContains(host.takeMessages(), "no row of an algorithm of this build"));
     CHECK(predicted(host) == doctest::Approx(before).epsilon(0.05));
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "after a knowledge base with one damaged row a context goes on with the library's own")
+{
+    Host host(smallScene());
+    host.pinAll("shadow_map");
+    host.draw(1, {});
+    const float before = predicted(host); // no frame was timed yet
+    REQUIRE(before > 0.0f);
+    REQUIRE(before < 1000.0f);
+    std::string text = knowledge(device().properties.deviceName, 100000.0); // rows that are fine, and one that is not
+    text.replace(text.rfind(",1e+05,"), 7, ",1e30,");
+    host.takeMessages();
+    CHECK(load(host, text) == GN_ERROR_KNOWLEDGE);
+    CHECK(anyContains(host.takeMessages(), "base.csv: line 4: fixed_ms '1e30' is no measurement"));
+    CHECK(predicted(host) == doctest::Approx(before).epsilon(0.5));
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a foreign knowledge base is corrected by one factor from the first timed frames")

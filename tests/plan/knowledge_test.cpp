@@ -34,7 +34,6 @@ TEST_CASE("a knowledge base reads back as it was written")
     const std::string text = writeKnowledge({&device, 1});
     const KnowledgeResult read = parseKnowledge(text);
     REQUIRE(read.base);
-    CHECK(read.base->rejected == 0);
     REQUIRE(read.base->devices.size() == 1);
     const DeviceKnowledge& back = read.base->devices[0];
     CHECK(writeKnowledge({&back, 1}) == text);
@@ -81,7 +80,7 @@ TEST_CASE("the shipped bases are whole, and every fit is worth its name")
     CHECK(shipped.nearestTo("any", "discrete")->kind == "discrete");
 }
 
-TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
+TEST_CASE("a damaged knowledge base is an error that names the first damaged row")
 {
     const std::string head = writeKnowledge({});
     CHECK(parseKnowledge(head).base->devices.empty()); // an empty one is fine
@@ -91,7 +90,7 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
     CHECK(parseKnowledge("# gnomon knowledge 6\ndevice,driver\n").error == "column 'kind' is missing");
     CHECK(parseKnowledge(std::string(kMaxKnowledgeBytes + 1, ' ')).error.find("1 MiB") != std::string::npos);
     const std::string good = "d,v,software,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n";
-    REQUIRE(parseKnowledge(head + good).base->rejected == 0);
+    REQUIRE(parseKnowledge(head + good).base->devices.size() == 1);
     for (const auto& [bad, why] :
          {std::pair{"d,v,software,shadow_map,resolve,gpu,9,0.3,nan,1,,,,,,2,,,,,\n",
                     "line 3: fixed_ms 'nan' is no measurement"},
@@ -108,11 +107,12 @@ TEST_CASE("a damaged knowledge base is an error or loses only its damaged rows")
            "line 3: pass 'view:' is none of update, resolve, method and view:NAME"},
           {"d,v\n", "line 3: not as many cells as columns"},
           {"\"\n", "line 3: an open quote"}}) {
-        const KnowledgeResult result = parseKnowledge(head + bad + good);
-        REQUIRE(result.base);
-        CHECK(result.base->devices.size() == 1);
-        CHECK(result.base->rejected == 1);
-        CHECK(result.base->findings.at(0) == why);
+        const KnowledgeResult result = parseKnowledge(head + bad + good + good + bad);
+        CHECK_FALSE(result.base);
+        CHECK(result.error == why);
+        const KnowledgeResult later = parseKnowledge(head + good + "# a remark\n\n" + bad);
+        CHECK_FALSE(later.base);
+        CHECK(later.error.starts_with("line 6: "));
     }
     Random random(10);
     for (int round = 0; round < 3000; ++round) { // nothing crashes, nothing not finite gets through

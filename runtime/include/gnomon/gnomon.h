@@ -504,13 +504,13 @@ GN_API GnResult GN_CALL gnSetPreset(GnContext context, const char* pName);
 Rows of this device are used where there are any; else those of the first device of its kind (software, integrated,
 discrete), and how much faster or slower this one is is learned from the first timed frames. What running frames had
 taught is forgotten; methods added later start from the rows of their algorithm, and those that nobody has measured from
-the dearest of their kind. A row that cannot be used (NaN, a negative time, a missing cell) is left out and reported as
-a message with `pFileName` and its line. A table without any row, or with rows of other algorithms only, is a warning
-and changes nothing: predictions go on as they were.
+the dearest of their kind. A row that cannot be used (NaN, a negative time, a missing cell) refuses the whole text, with
+a message that has `pFileName`, its line and the value. A table without any row, or with rows of other algorithms only,
+is a warning and changes nothing: predictions go on as they were.
 
 A context begins with the knowledge that the library carries (gnLoadShippedKnowledge()); a host need not call either.
-\return #GN_ERROR_KNOWLEDGE for text that is no knowledge base, one of another version, or one whose rows are all
-unusable; what was known before stays. */
+\return #GN_ERROR_KNOWLEDGE for text that is no knowledge base, one of another version, or one with a row that cannot be
+used; what was known before stays, the library's own included. */
 GN_API GnResult GN_CALL gnLoadKnowledge(GnContext context, const char* pText, size_t size, const char* pFileName);
 
 /** \brief gnLoadKnowledge() with what the library carries of the device nearest to this one: as a context begins. */
