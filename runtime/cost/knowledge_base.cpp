@@ -232,6 +232,9 @@ const DeviceKnowledge* KnowledgeBase::nearestTo(std::string_view name, std::stri
     };
     if (const auto* same = first([&](const DeviceKnowledge& d) { return d.device == name; })) return same;
     if (const auto* alike = first([&](const DeviceKnowledge& d) { return d.kind == ofKind; })) return alike;
+    const auto isGpu = [](std::string_view kind) { return kind == "integrated" || kind == "discrete"; };
+    if (isGpu(ofKind))
+        if (const auto* gpu = first([&](const DeviceKnowledge& d) { return isGpu(d.kind); })) return gpu;
     return devices.empty() ? nullptr : &devices.front();
 }
 

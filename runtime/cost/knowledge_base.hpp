@@ -72,7 +72,8 @@ struct DeviceKnowledge {
 struct KnowledgeBase {
     std::vector<DeviceKnowledge> devices;
 
-    /// That of the device of this name; else of the first of its kind; else the first. Null: there is none.
+    /// That of the device of this name; else of the first of its kind; else, for a GPU, of the first GPU; else the
+    /// first. Null: there is none.
     const DeviceKnowledge* nearestTo(std::string_view device, std::string_view kind) const noexcept;
 };
 

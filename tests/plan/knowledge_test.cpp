@@ -55,14 +55,19 @@ TEST_CASE("a knowledge base reads back as it was written")
     CHECK_FALSE(back.find("nobody"));
 }
 
-TEST_CASE("the nearest device is the same one, else one of its kind, else the first")
+TEST_CASE("the nearest device is the same one, else one of its kind, else a GPU for a GPU, else the first")
 {
     KnowledgeBase base;
     CHECK_FALSE(base.nearestTo("x", "software"));
     base.devices = {{"s", "", "software", {}, {}}, {"d1", "", "discrete", {}, {}}, {"d2", "", "discrete", {}, {}}};
     CHECK(base.nearestTo("d2", "software")->device == "d2");
     CHECK(base.nearestTo("x", "discrete")->device == "d1");
-    CHECK(base.nearestTo("x", "integrated")->device == "s");
+    CHECK(base.nearestTo("x", "integrated")->device == "d1"); // a GPU, not the processor
+    base.devices = {{"s", "", "software", {}, {}}, {"i", "", "integrated", {}, {}}};
+    CHECK(base.nearestTo("x", "discrete")->device == "i");
+    CHECK(base.nearestTo("x", "other")->device == "s");
+    base.devices.erase(base.devices.begin());
+    CHECK(base.nearestTo("x", "software")->device == "i"); // there is no other
 }
 
 TEST_CASE("the shipped bases are whole, and every fit is worth its name")
@@ -78,6 +83,7 @@ TEST_CASE("the shipped bases are whole, and every fit is worth its name")
     }
     CHECK(shipped.nearestTo("any", "software")->kind == "software");
     CHECK(shipped.nearestTo("any", "discrete")->kind == "discrete");
+    CHECK(shipped.nearestTo("any", "integrated")->kind == "discrete");
 }
 
 TEST_CASE("a damaged knowledge base is an error that names the first damaged row")
