@@ -153,10 +153,10 @@ inline constexpr double kLeastShare = 0.01;
 inline constexpr double kKeepShare = 0.5;
 /// Share that a change must have room for beyond its prediction: half the spread of one, 8 % where a light was timed.
 inline constexpr double kChangeMargin = 0.05;
-/// The same, ms, of a method that counts as `ms` and is expected to take `likelyMs` (Candidate).
-inline double withMargin(double ms, double likelyMs) noexcept
+/// What a change needs room for, ms, with its share of the first frame. The three are a Candidate's.
+inline double roomForChangeMs(double ms, double likelyMs, double firstFrameMs) noexcept
 {
-    return std::max(ms, (1.0 + kChangeMargin) * (likelyMs > 0.0 ? likelyMs : ms));
+    return changePriceMs(std::max(ms, (1.0 + kChangeMargin) * (likelyMs > 0.0 ? likelyMs : ms)), firstFrameMs);
 }
 /// What shows as much as the incumbent is taken for its price if it takes this share less.
 inline constexpr double kClearlyLess = 0.2;

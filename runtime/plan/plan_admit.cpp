@@ -66,17 +66,13 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 /// is, and the plan says so.
 void PlanStep::applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept
 {
+    const auto quality = [&](uint32_t m) { return qualityOf(input.candidates[at(light, m)]); };
+    const MethodSet within = withinFloor(allowed_[light], minimum, quality);
     plans_[light].floor = true;
-    float best = 0.0f;
-    for (const uint32_t m : allowed_[light])
-        best = std::max(best, qualityOf(input.candidates[at(light, m)]));
-    plans_[light].floorUnmet = !allowed_[light].empty() && best < minimum;
-    const float limit = std::min(minimum, best);
-    for (const uint32_t m : allowed_[light]) {
-        if (qualityOf(input.candidates[at(light, m)]) >= limit) continue;
-        allowed_[light].remove(m);
+    plans_[light].floorUnmet = !within.empty() && quality(*within.begin()) < minimum;
+    for (const uint32_t m : allowed_[light] - within)
         why_[at(light, m)] = Why::floor;
-    }
+    allowed_[light] = within;
 }
 
 void PlanStep::admit(const PlanInput& input) noexcept
@@ -127,7 +123,7 @@ double PlanStep::changedMs(const PlanInput& input, uint32_t light, uint32_t meth
 {
     const size_t cell = at(light, method);
     const Candidate& candidate = input.candidates[cell];
-    return changePriceMs(withMargin(costsMs_[cell], candidate.likelyMs), candidate.firstFrameMs);
+    return roomForChangeMs(costsMs_[cell], candidate.likelyMs, candidate.firstFrameMs);
 }
 
 /// Whether `method` can never be better than `own`, which has been offered: neither cheaper nor worth more.

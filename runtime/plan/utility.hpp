@@ -6,6 +6,7 @@
 #include <span>
 
 #include "rules/engine/engine.hpp" // kSuitabilitySteps
+#include "runtime/base/method_set.hpp"
 
 namespace gnomon::plan {
 
@@ -68,6 +69,20 @@ inline double changePriceMs(double predictedMs, double firstFrameMs) noexcept
 inline bool isPriceKnown(double predictedMs, double sigmaMs) noexcept
 {
     return predictedMs > 0.0 && sigmaMs <= 0.5 * predictedMs;
+}
+
+/// Those of `methods` that show at least `minimum`; where none does, those that show most.
+/// @param qualityOf a method's, [0, 1]
+template <typename QualityOf>
+MethodSet withinFloor(const MethodSet& methods, float minimum, QualityOf&& qualityOf) noexcept
+{
+    float best = 0.0f;
+    for (const std::uint32_t m : methods)
+        best = std::max(best, qualityOf(m));
+    MethodSet within = methods;
+    for (const std::uint32_t m : methods)
+        if (qualityOf(m) < std::min(minimum, best)) within.remove(m);
+    return within;
 }
 
 /// suitability * quality, [0, 1]; times importance it is what the plan sums up.

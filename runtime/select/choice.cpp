@@ -157,18 +157,13 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
 std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept
 {
     if (candidates[wanted].quality >= minimum) return wanted;
-    const auto mayServe = [](const Candidate& each) {
-        return each.exclusion == Exclusion::none && each.quantised >= 0;
-    };
-    float best = candidates[wanted].quality;
-    for (const Candidate& each : candidates)
-        if (mayServe(each)) best = std::max(best, each.quality);
-    const float limit = std::min(minimum, best);
-    std::uint32_t suited = wanted;
-    for (std::uint32_t m = 0; m < candidates.size(); ++m) {
-        if (!mayServe(candidates[m]) || candidates[m].quality < limit) continue;
-        if (candidates[suited].quality < limit || candidates[m].quantised > candidates[suited].quantised) suited = m;
-    }
+    MethodSet able{wanted};
+    for (std::uint32_t m = 0; m < candidates.size(); ++m)
+        able.addIf(m, candidates[m].exclusion == Exclusion::none && candidates[m].quantised >= 0);
+    const MethodSet within = plan::withinFloor(able, minimum, [&](std::uint32_t m) { return candidates[m].quality; });
+    std::uint32_t suited = within.has(wanted) ? wanted : *within.begin();
+    for (const std::uint32_t m : within)
+        if (candidates[m].quantised > candidates[suited].quantised) suited = m;
     return suited;
 }
 
@@ -300,13 +295,8 @@ MethodSet Rechoice::allowed() const
     }
     if (able.meets(spoken)) able &= spoken;
     if (!holdsFloor()) return able;
-    float best = 0.0f;
-    for (const std::uint32_t m : able)
-        best = std::max(best, candidates_[m].quality);
-    const float limit = std::min(static_cast<float>(engine_.base().policy.floor.minimumQuality), best);
-    for (const std::uint32_t m : able)
-        if (candidates_[m].quality < limit) able.remove(m);
-    return able;
+    return plan::withinFloor(able, static_cast<float>(engine_.base().policy.floor.minimumQuality),
+                             [&](std::uint32_t m) { return candidates_[m].quality; });
 }
 
 /// Of the plan, by this light.
@@ -321,8 +311,7 @@ double Rechoice::changedMs(std::uint32_t method) const noexcept
 {
     const Candidate& candidate = candidates_[method];
     return double{candidate.sharedMs} +
-           plan::changePriceMs(plan::withMargin(double{candidate.sureMs}, double{candidate.predictedMs}),
-                               double{candidate.firstMs});
+           plan::roomForChangeMs(double{candidate.sureMs}, double{candidate.predictedMs}, double{candidate.firstMs});
 }
 
 /// Whether the plan of all lights stays within its budget where this light takes so long.
