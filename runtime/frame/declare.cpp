@@ -167,7 +167,7 @@ MapPose LightPasses::poseFor(const Method& method)
     const bool alone = frame_.views.size() == 1 && decision_.outgoing == UINT32_MAX && decision_.probed == UINT32_MAX;
     if (!alone || !state.sideKnown || !method.looksUpMaps()) {
         state.drawn.lose();
-        if (!alone) light_.memory->redrawEvery = 0;
+        light_.memory->redrawEvery = 0; // another method's map is drawn in every frame at first
         return now;
     }
     const MapKey key{method.index, method.mapSide(decision_.plainSide), light_.memory->mapWidth};

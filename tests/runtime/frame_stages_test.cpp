@@ -242,6 +242,17 @@ TEST_CASE("a light that the host pinned has that method")
     CHECK(trip.methodOf(1) == "b");
 }
 
+TEST_CASE("a light that has left its map forgets how rarely that was drawn")
+{
+    Trip trip({painter("a", true)}); // looks up none
+    trip.measure();
+    for (const ViewLight& light : trip.frame.lights)
+        light.memory->redrawEvery = 8;
+    trip.declare();
+    for (const ViewLight& light : trip.frame.lights)
+        CHECK(light.memory->redrawEvery == 0);
+}
+
 TEST_CASE("what cannot be declared is replaced in the order of the choice, one method after the other")
 {
     Trip trip({painter("a", false), painter("b", false), painter("c", true), painter("d", true)});
