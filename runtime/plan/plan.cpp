@@ -117,11 +117,11 @@ void PlanStep::move(uint32_t light, uint32_t to) noexcept
 double PlanStep::findTarget(const PlanInput& input, double headroom, PlanReport& report) noexcept
 {
     const auto target = std::span(target_).first(lightCount_);
-    const bool fresh = isFresh(input), fits = report.cheapestMs <= input.budgetMs;
+    const bool fresh = isFresh(input);
     double limitMs = 0.0;
     for (int round = 0; round < 2; ++round) {
         report.usableMs = input.budgetMs - headroom;
-        limitMs = fits ? std::max(report.usableMs, report.cheapestMs) : report.usableMs;
+        limitMs = report.feasible ? std::max(report.usableMs, report.cheapestMs) : report.usableMs;
         greedy_.solve(limitMs, partsInUse(), input.frame, fresh ? greedy_.partSets() : 1, target);
         // Methods that the lights have not shown yet are less sure than the incumbents: again with their own headroom.
         double errorMs = 0.0;
@@ -264,6 +264,7 @@ PlanReport PlanStep::step(const PlanInput& whole) noexcept
     PlanInput input = whole;
     input.budgetMs = std::max(report.budgetMs - whole.sharedMs, kLeastShare * report.budgetMs);
     if (whole.measuredMs >= 0.0) input.measuredMs = std::max(whole.measuredMs - whole.sharedMs, 0.0);
+    report.feasible = report.cheapestMs <= input.budgetMs;
     planWithinBudget(input, report);
     started_ = true;
     report.partsMs = greedy_.msOf(partsInUse());

@@ -134,6 +134,7 @@ struct PlanReport {
     double usableMs = 0.0;                 ///< Budget less shared part and headroom.
     double cheapestMs = 0.0;               ///< Of the cheapest plan that keeps pins, vetoes and floors.
     double overMs = 0.0;                   ///< Predicted above the budget; the floor may force it. 0 when within.
+    bool feasible = true;                  ///< The cheapest plan is within the budget.
     uint32_t switches = 0, upgrades = 0, flips = 0, floorsUnmet = 0;
 };
 

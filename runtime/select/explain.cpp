@@ -160,7 +160,7 @@ std::string planLine(const DecisionRecord& record)
     if (!record.budgeted) return text;
     text = "plan of all lights: " + msText(double{record.planMs}) + " of " + msText(double{record.usableMs}) +
            " usable (budget " + msText(double{record.budgetMs}) + "): " + text;
-    if (record.leastMs > record.usableMs && record.replan != Replan::measuring)
+    if (record.leastMs > 0.0f && record.replan != Replan::measuring)
         text += "; nothing fits: the least possible is " + msText(double{record.leastMs});
     if (record.floor)
         text += "; near floor holds, quality >= " + knownText(double{record.minimumQuality}, 2) +

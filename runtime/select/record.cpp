@@ -93,7 +93,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
         head.budgetMs = static_cast<float>(frame.budgetMs);
         head.usableMs = static_cast<float>(frame.report.usableMs);
         head.planMs = static_cast<float>(frame.report.predictedMs);
-        head.leastMs = static_cast<float>(frame.report.cheapestMs);
+        head.leastMs = frame.report.feasible ? 0.0f : static_cast<float>(frame.report.cheapestMs);
         head.errorMs = static_cast<float>(frame.report.standardErrorMs);
         head.threshold = static_cast<float>(decision.threshold);
     }

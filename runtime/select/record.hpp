@@ -72,7 +72,7 @@ struct RecordHead {
     float suitability = 0.0f;
     float measuredMs = 0.0f;                               ///< Of this very frame, two frames later; 0: not timed.
     float budgetMs = 0.0f, usableMs = 0.0f, planMs = 0.0f; ///< Of all lights; usable is the budget less headroom.
-    float leastMs = 0.0f;   ///< Of the cheapest plan: where that is above usableMs, nothing fits.
+    float leastMs = 0.0f;   ///< Of the cheapest plan, where that is over the budget: nothing fits. 0: something does.
     float errorMs = 0.0f;   ///< One standard error of the predicted sum of all lights.
     float threshold = 0.0f; ///< What another method must be worth more, as a share of what the light's own is worth.
     FactValues facts{};

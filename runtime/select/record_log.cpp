@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::string_view kMagic = "GNDECID8";
+constexpr std::string_view kMagic = "GNDECID9";
 constexpr std::uint8_t kNoMethod = 255;
 constexpr std::uint16_t kNoRefusal = 65535;
 enum : std::uint8_t {

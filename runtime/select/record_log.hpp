@@ -3,7 +3,7 @@
 //
 // A chunk, little-endian, no padding; a log file is any number of chunks in the order of their frames:
 //
-//     "GNDECID8"                                                     version in the last byte
+//     "GNDECID9"                                                     version in the last byte
 //     u32 size of the chunk in bytes, hash included
 //     u64 frame origin: subtracted from frame numbers when they are shown or asked for
 //     u8 1: the device is the CPU

@@ -113,7 +113,7 @@ TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest f
     host.require(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, nullptr));
     std::string log(size, '\0');
     host.require(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, log.data()));
-    CHECK(log.starts_with("GNDECID8"));
+    CHECK(log.starts_with("GNDECID9"));
     CHECK(contains(log, "lamp"));
     size = 10;
     CHECK(gnGetDecisionLog(host.context, host.views[0], 0, 1, &size, log.data()) == GN_INCOMPLETE);
