@@ -177,7 +177,8 @@ private:
                                    .quality = measured.quality,
                                    .ms = prediction.sureMs(),
                                    .likelyMs = prediction.ms,
-                                   .sigmaMs = prediction.measured ? prediction.sigmaMs : 0.0});
+                                   .sigmaMs = prediction.measured ? prediction.sigmaMs : 0.0,
+                                   .familiar = prediction.familiar});
         }
     }
 

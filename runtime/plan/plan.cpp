@@ -25,6 +25,7 @@ void PlanStep::reserve(uint32_t lights, uint32_t methods)
     if (cells > orders_.size()) orderedMethods_ = 0;
     grow(orders_, cells);
     grow(allowed_, lights);
+    grow(familiar_, lights);
     grow(current_, lights);
     grow(target_, lights);
     grow(saved_, lights);
@@ -223,11 +224,32 @@ void PlanStep::takeTarget() noexcept
     countUsers();
 }
 
+/// Lights that must not try a method yet stay where they are; where some have no method, or the budget is broken, the
+/// search looks for a target without those methods. @return the limit that the target keeps, ms.
+double PlanStep::waitForTrials(const PlanInput& input, double headroom, double limitMs, bool over,
+                               PlanReport& report) noexcept
+{
+    if (isFresh(input) || !gateTrials(input)) return limitMs;
+    bool searches = over;
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        if (target_[light] != kNone && waitsWith(light, target_[light])) {
+            searches = searches || current_[light] == kNone;
+            target_[light] = current_[light];
+        }
+    if (!searches) return limitMs;
+    greedy_.begin(methods_, parts_);
+    offerAll(input);
+    greedy_.cheapestMs();
+    return findTarget(input, headroom, report);
+}
+
 void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
 {
     const auto current = std::span(current_).first(lightCount_), target = std::span(target_).first(lightCount_);
     const double headroom = headroomMs(input, current, report.standardErrorMs);
-    const double limitMs = findTarget(input, headroom, report);
+    const double mostMs = std::max(input.budgetMs - (1.0 - kKeepShare) * headroom, report.cheapestMs);
+    double limitMs = findTarget(input, headroom, report);
+    limitMs = waitForTrials(input, headroom, limitMs, !report.feasible || sumOf(current).ms > mostMs, report);
     if (isFresh(input)) {
         takeTarget();
         report.cause = Cause::fresh;
@@ -241,11 +263,9 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
         }
     countUsers();
     // Where nothing fits, the target is over the budget too, and all that it saves is taken.
-    const bool fits = report.cheapestMs <= input.budgetMs;
-    const double keepMs =
-        fits ? std::max(input.budgetMs - (1.0 - kKeepShare) * headroom, report.cheapestMs) : sumOf(target).ms;
-    const bool over = sumOf(current).ms > keepMs;
-    calmFrames_ = over || !fits || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
+    const bool over = sumOf(current).ms > (report.feasible ? mostMs : sumOf(target).ms);
+    calmFrames_ =
+        over || !report.feasible || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
     if (!over) return improve(input, limitMs, report);
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
     payUntil(limitMs);

@@ -40,6 +40,7 @@ struct Candidate {
     double likelyMs = 0.0;            ///< What it is expected to take where `ms` is such a bound; 0: `ms`.
     double sigmaMs = 0.0;             ///< Standard error of `ms`.
     double firstFrameMs = 0.0;        ///< Once, if the light switches to it: allocation, pipelines, caches.
+    bool familiar = true;             ///< Some light was timed with it.
 };
 
 /// What the plan remembers of a light between frames. The owner keeps it beside the light; zero is a new light.
@@ -101,6 +102,7 @@ enum class Hold : uint8_t {
     spareTime,  ///< The plan has not been within the budget for long enough.
     ban,        ///< It has just left that method.
     firstFrame, ///< The first frame costs more than the stay would gain.
+    trial,      ///< No light was timed with it, and another light tries such a method.
 };
 
 struct LightPlan {
@@ -113,6 +115,7 @@ struct LightPlan {
     Hold hold = Hold::none;
     bool floor = false;      ///< Near, or was within the frames of a flip.
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
+    bool waits = false;      ///< What no light was timed with is another light's to try.
     bool switched = false;
     bool flipped = false;
 };
@@ -159,6 +162,9 @@ inline double roomForChangeMs(double ms, double likelyMs, double firstFrameMs) n
 {
     return changePriceMs(std::max(ms, (1.0 + kChangeMargin) * (likelyMs > 0.0 ? likelyMs : ms)), firstFrameMs);
 }
+/// Frames from a change to a method that no light was timed with until its time is known, at the latest: four that are
+/// timed (cost::kLearnFrames), and two until timings come.
+inline constexpr uint32_t kTrialFrames = 6;
 /// What shows as much as the incumbent is taken for its price if it takes this share less.
 inline constexpr double kClearlyLess = 0.2;
 
@@ -188,6 +194,11 @@ private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
     void applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept;
+    void offerAll(const PlanInput& input) noexcept;
+    bool gateTrials(const PlanInput& input) noexcept;
+    double waitForTrials(const PlanInput& input, double headroom, double limitMs, bool over,
+                         PlanReport& report) noexcept;
+    bool waitsWith(uint32_t light, uint32_t method) const noexcept;
     bool isWorthKeeping(const PlanInput& input, uint32_t light) const noexcept;
     bool isBeaten(uint32_t light, uint32_t method, uint32_t own) const noexcept;
     void offer(const PlanInput& input, uint32_t light) noexcept;
@@ -219,7 +230,7 @@ private:
     Greedy greedy_;
     std::span<const SharedPart> parts_;
     std::vector<double> values_, worths_, costsMs_; ///< lights x methods; worth is value with hysteresis.
-    std::vector<MethodSet> allowed_;
+    std::vector<MethodSet> allowed_, familiar_;     ///< By light.
     std::vector<uint32_t> current_, target_, saved_;
     std::vector<uint8_t> orders_; ///< lights x methods, of sharedUtilities().
     std::vector<LightPlan> plans_;

@@ -24,7 +24,7 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
     const std::span candidates = input.candidates.subspan(at(light, 0), methods_);
-    MethodSet able, vetoed, spoken;
+    MethodSet able, vetoed, spoken, familiar;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = candidates[m];
         const bool known = candidate.ms >= 0.0 && candidate.ms <= std::numeric_limits<double>::max();
@@ -33,7 +33,9 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
         able.addIf(m, known && candidate.eligibility != Eligibility::trait);
         vetoed.addIf(m, candidate.eligibility == Eligibility::never);
         spoken.addIf(m, candidate.suitability >= 0);
+        familiar.addIf(m, candidate.familiar);
     }
+    familiar_[light] = familiar;
     const std::span all = std::span<const UtilityTerms>(terms_).first(methods_);
     const std::span values = std::span(values_).subspan(at(light, 0), methods_);
     sharedUtilities(all, std::span(orders_).subspan(at(light, 0), methods_), values);
@@ -94,8 +96,56 @@ void PlanStep::admit(const PlanInput& input) noexcept
         current_[light] = incumbent < methods_ && allowed_[light].has(incumbent) ? incumbent : kNone;
     }
     countUsers();
+    offerAll(input);
+}
+
+void PlanStep::offerAll(const PlanInput& input) noexcept
+{
     for (uint32_t light = 0; light < lightCount_; ++light)
         offer(input, light);
+}
+
+/// Where the target has lights change to what no light was timed with, all but one wait: the one that has just done so,
+/// until its time is known; else, in turns, the one that gains most, and any. What comes anew does not try anything.
+/// @return whether one waits that would change
+bool PlanStep::gateTrials(const PlanInput& input) noexcept
+{
+    const auto isServed = [&](uint32_t light) {
+        return current_[light] != kNone || allowed_[light].meets(familiar_[light]);
+    };
+    const auto enters = [&](uint32_t light) {
+        const uint32_t to = target_[light];
+        return to != kNone && to != current_[light] && !familiar_[light].has(to) && isServed(light);
+    };
+    uint32_t entering = 0, settled = 0, running = kNone, best = kNone;
+    double most = -1.0;
+    for (uint32_t light = 0; light < lightCount_; ++light) {
+        const uint32_t own = current_[light];
+        const bool isNew = own != kNone && !familiar_[light].has(own) &&
+                           input.frame - input.lights[light].memory->switchedAt < kTrialFrames;
+        if (isNew && running == kNone) running = light;
+        if (!enters(light)) continue;
+        ++entering;
+        if (own == kNone) continue;
+        ++settled;
+        const double gain = values_[at(light, target_[light])] - values_[at(light, own)];
+        if (gain > most) most = gain, best = light;
+    }
+    uint32_t tries = running != kNone ? running : best;
+    const bool takesTurns = running == kNone && settled > 1 && input.frame % 2 == 1;
+    uint64_t turn = takesTurns ? input.frame / 2 % settled : 0;
+    for (uint32_t light = 0; takesTurns && light < lightCount_; ++light)
+        if (current_[light] != kNone && enters(light) && turn-- == 0) tries = light;
+    if (entering == 0 || (entering == 1 && tries != kNone && enters(tries))) return false;
+    for (uint32_t light = 0; light < lightCount_; ++light)
+        plans_[light].waits = light != tries && isServed(light);
+    return true;
+}
+
+/// Whether no light was timed with the method, and this light is not the one to try it.
+bool PlanStep::waitsWith(uint32_t light, uint32_t method) const noexcept
+{
+    return plans_[light].waits && method != current_[light] && !familiar_[light].has(method);
 }
 
 /// Whether nothing is worth as much for clearly less, first frame included. Of the parts that it shares with others the
@@ -110,7 +160,7 @@ bool PlanStep::isWorthKeeping(const PlanInput& input, uint32_t light) const noex
     }
     for (const uint32_t m : allowed_[light]) {
         const Candidate& candidate = input.candidates[at(light, m)];
-        if (m != own && values_[at(light, m)] >= values_[at(light, own)] &&
+        if (m != own && !waitsWith(light, m) && values_[at(light, m)] >= values_[at(light, own)] &&
             changePriceMs(candidate.ms + sharedMs(light, m), candidate.firstFrameMs) < ownMs / (1.0 + kClearlyLess) &&
             isPriceKnown(candidate.ms, candidate.sigmaMs))
             return false;
@@ -134,7 +184,7 @@ bool PlanStep::isBeaten(uint32_t light, uint32_t method, uint32_t own) const noe
 }
 
 /// What the search may give a light. Hysteresis is here: the incumbent counts for more by the plan gain, another method
-/// brings its first frame, and what the light has just left counts for nothing.
+/// brings its first frame, and what the light has just left, or must not try yet, counts for nothing.
 void PlanStep::offer(const PlanInput& input, uint32_t light) noexcept
 {
     const bool settled = current_[light] != kNone && !isFresh(input);
@@ -149,19 +199,20 @@ void PlanStep::offer(const PlanInput& input, uint32_t light) noexcept
     plans_[light].threshold = threshold;
     greedy_.addLight();
     const uint32_t own = settled ? current_[light] : kNone;
-    const auto offerAt = [&](uint32_t m, double price, double worth) {
+    const auto offerAt = [&](uint32_t m, double price, double worth, bool isBanned) {
         worths_[at(light, m)] = worth;
         greedy_.add({.ms = costsMs_[at(light, m)],
                      .price = price,
                      .worth = worth,
                      .method = static_cast<uint16_t>(m),
-                     .banned = m == banned});
+                     .banned = isBanned});
     };
-    if (settled) offerAt(own, costsMs_[at(light, own)], (1.0 + threshold) * values_[at(light, own)]);
+    if (settled) offerAt(own, costsMs_[at(light, own)], (1.0 + threshold) * values_[at(light, own)], false);
     for (const uint32_t m : allowed_[light]) {
         const size_t cell = at(light, m);
         if (m == own || (settled && isBeaten(light, m, own))) continue;
-        offerAt(m, settled ? changedMs(input, light, m) : costsMs_[cell], m == banned ? 0.0 : values_[cell]);
+        const bool isBanned = m == banned || waitsWith(light, m);
+        offerAt(m, settled ? changedMs(input, light, m) : costsMs_[cell], isBanned ? 0.0 : values_[cell], isBanned);
     }
 }
 

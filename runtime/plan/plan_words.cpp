@@ -62,7 +62,7 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, const PlanRe
         const double marginMs = changedMs(input, light, held) - costsMs_[at(light, held)];
         const bool banned = held == memory.previous && input.frame < memory.bannedUntil;
         const bool fits = report.predictedMs + moveMs(light, held) + marginMs <= report.usableMs;
-        plan.hold = banned ? Hold::ban : fits ? Hold::threshold : Hold::margin;
+        plan.hold = banned ? Hold::ban : waitsWith(light, held) ? Hold::trial : fits ? Hold::threshold : Hold::margin;
         plan.wanted = held;
     }
 }

@@ -101,6 +101,8 @@ const char* holdText(plan::Hold hold)
         return "the light has just left it";
     case plan::Hold::firstFrame:
         return "its first frame costs more than the stay would gain";
+    case plan::Hold::trial:
+        return "no light was timed with it yet, and lights try such methods one at a time";
     }
     return "unknown";
 }

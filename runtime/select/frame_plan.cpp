@@ -334,7 +334,8 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
                                             .ms = costs[m].sureMs,
                                             .likelyMs = cost.ms,
                                             .sigmaMs = cost.measured ? cost.sigmaMs : 0.0,
-                                            .firstFrameMs = costs[m].firstMs};
+                                            .firstFrameMs = costs[m].firstMs,
+                                            .familiar = cost.familiar};
             from.quality = candidates_[i * methods + m].quality;
             from.predictedMs = static_cast<float>(cost.ms);
             from.sureMs = static_cast<float>(costs[m].sureMs);

@@ -14,6 +14,7 @@ namespace {
 // been one of many, and those of the same frames are learned from together.
 constexpr std::uint64_t kTimingLag = 2;
 constexpr std::uint64_t kPriceFrames = 2 * (cost::kLearnFrames + kTimingLag);
+static_assert(plan::kTrialFrames == cost::kLearnFrames + kTimingLag);
 // Beyond this nothing has to be learned: most fits of rules/knowledge are off by half an octave or less. A light that
 // turns out to move would pay for its maps until kPriceFrames are over.
 constexpr float kNotOnePrice = 1.5f;
@@ -126,7 +127,7 @@ bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budge
     if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return true;
     if (!servesAsWell(request.decision->candidates, memory.incumbent, method)) return true;
     if (budget.frame < triedUntil_) return false;
-    triedUntil_ = budget.frame + cost::kLearnFrames + kTimingLag;
+    triedUntil_ = budget.frame + plan::kTrialFrames;
     return true;
 }
 

@@ -272,7 +272,7 @@ private:
         head.distanceAge = in_.integer<std::uint32_t>();
         head.reason = readEnum(GN_REASON_TRIAL, "reason");
         head.replan = readEnum(static_cast<Replan>(static_cast<int>(Replan::count) - 1), "cause");
-        head.hold = readEnum(plan::Hold::firstFrame, "hold");
+        head.hold = readEnum(plan::Hold::trial, "hold");
         const auto flags = in_.integer<std::uint8_t>();
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
