@@ -80,7 +80,8 @@ private:
         const std::string& name = base_.concepts[closing.on].name;
         sink_.error("R08", closing.at,
                     "concept " + quoted(name) + " is concluded from itself: " + way + name + ", closed by rule " +
-                        quoted(base_.rules[closing.rule].id));
+                        quoted(base_.rules[closing.rule].id) + "; take " + quoted(base_.concepts[closing.on].name) +
+                        " out of that rule's condition");
         return false;
     }
 

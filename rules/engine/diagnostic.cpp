@@ -51,7 +51,7 @@ std::string suggestion(std::string_view name, std::span<const std::string_view> 
     }
     std::string text;
     if (!best.empty()) text += "; did you mean " + quoted(best) + "?";
-    if (known.empty() || known.size() > kShortList) return text;
+    if (known.empty() || (known.size() > kShortList && !best.empty())) return text;
     text += best.empty() ? "; known:" : " Known:";
     for (const std::string_view candidate : known) {
         text += candidate == known.front() ? " " : ", ";
@@ -64,8 +64,8 @@ std::string toText(const Diagnostic& diagnostic)
 {
     std::string text = diagnostic.file;
     if (diagnostic.line != 0) text += ':' + std::to_string(diagnostic.line) + ':' + std::to_string(diagnostic.column);
-    text += diagnostic.severity == Severity::Error ? ": error " : ": warning ";
-    return text + diagnostic.id + ": " + diagnostic.message;
+    text += diagnostic.severity == Severity::Error ? ": error: " : ": warning: ";
+    return text + diagnostic.message + " [" + diagnostic.id + ']';
 }
 
 } // namespace gnomon::rules

@@ -38,10 +38,10 @@ std::string quoted(std::string_view text);
 
 /// What to say behind an unknown name: "; did you mean 'near'?" where one of those there are differs by a slip of the
 /// hand (a letter added, left out, changed, or two swapped; in long names two of them), and a list of them where it is
-/// short. Empty where nothing helps.
+/// short or no name is near.
 std::string suggestion(std::string_view name, std::span<const std::string_view> known);
 
-/// "file:line:column: error L01: message", the form compilers use and editors jump to.
+/// "file:line:column: error: message [L01]", the form compilers use and editors jump to.
 std::string toText(const Diagnostic& diagnostic);
 
 /// Collects findings about one file.

@@ -77,7 +77,8 @@ void comparePair(const Engine& engine, const std::vector<Comparable>& rules, std
     const bool counts = a.weight == b.weight && a.priority == b.priority; // alike
     if (a.effects == b.effects && a.vetoes == b.vetoes && *a.form == *b.form && (isSum || counts)) {
         found.same.warning(base.rules[second].at, [&] {
-            return name(second) + " says the same as " + name(first) + (isSum ? "; under 'sum' both count" : "");
+            return name(second) + " says the same as " + name(first) + "; remove one of them" +
+                   (isSum ? ": under 'sum' both count" : "");
         });
         return;
     }

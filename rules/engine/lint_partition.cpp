@@ -147,6 +147,22 @@ void checkTerms(const Variable& variable, const std::vector<double>& xs, Diagnos
     }
 }
 
+/// How to close the hole at `x`.
+std::string mendOf(const Variable& variable, double x)
+{
+    const Term *before = nullptr, *behind = nullptr;
+    for (const Term& term : variable.terms) {
+        if (term.shape.c <= x) before = &term;
+        if (!behind && term.shape.b >= x) behind = &term;
+    }
+    if (!before && !behind) return "; add a term there";
+    if (!before || !behind) return "; let " + quoted((before ? before : behind)->name) + " reach it";
+    const Trapezoid& falls = before->shape;
+    const std::string flank =
+        falls.c < falls.d ? ", from " + shortestText(falls.c) + " to " + shortestText(falls.d) : "";
+    return "; let " + quoted(behind->name) + " rise where " + quoted(before->name) + " falls" + flank;
+}
+
 void checkVariable(const Variable& variable, DiagnosticSink& sink)
 {
     constexpr double kHole = 0.5;      ///< Below it no term is more true than false.
@@ -157,7 +173,8 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
     if (const Lowest lowest = lowestCoverage(variable); lowest.value < kHole - kRounding)
         sink.warning("L06", variable.at,
                      "the terms of " + quoted(variable.name) + " leave a hole at " + shortestText(lowest.x) +
-                         ": the best membership there is " + fixedText(std::max(0.0, lowest.value), 2));
+                         ": the best membership there is " + fixedText(std::max(0.0, lowest.value), 2) +
+                         mendOf(variable, lowest.x));
     const auto crowded = std::find_if(xs.begin(), xs.end(), [&](double x) { return termsAt(variable, x) > 2; });
     if (crowded != xs.end())
         sink.warning("L06", variable.at,

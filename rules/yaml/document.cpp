@@ -329,9 +329,13 @@ MapReader::MapReader(const Node& node, const Shape& shape, std::string_view what
     for (const Key& key : shape.allKeys())
         if (key.isRequired && !node.find(key.name))
             sink.error("R04", node.at, name + " needs a key " + rules::quoted(key.name));
-    for (const Entry& entry : node.entries)
-        if (std::ranges::find(shape.allKeys(), entry.key, &Key::name) == shape.allKeys().end())
-            sink.error("R04", entry.keyAt, name + " has no key '" + entry.key + "'");
+    for (const Entry& entry : node.entries) {
+        if (std::ranges::find(shape.allKeys(), entry.key, &Key::name) != shape.allKeys().end()) continue;
+        std::vector<std::string_view> known;
+        for (const Key& key : shape.allKeys())
+            known.push_back(key.name);
+        sink.error("R04", entry.keyAt, name + " has no key '" + entry.key + "'" + rules::suggestion(entry.key, known));
+    }
 }
 
 const Node* MapReader::find(std::string_view key) const

@@ -137,10 +137,10 @@ std::string noPreset(std::string_view name, const RuleBase& base)
 {
     std::string message = "there is no preset " + quoted(name);
     if (base.presets.empty()) return message + ": the rule base has none";
-    message += "; there are";
+    std::vector<std::string_view> known;
     for (const Preset& preset : base.presets)
-        message.append(&preset == &base.presets.front() ? " " : ", ").append(preset.name);
-    return message;
+        known.push_back(preset.name);
+    return message + suggestion(name, known);
 }
 
 } // namespace gnomon::rules

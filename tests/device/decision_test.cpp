@@ -127,7 +127,7 @@ presets:
     host.require(gnSetPreset(host.context, "volumes")); // of the base, not of the preset before
     CHECK(serves() == "stencil_volume");
     CHECK(gnSetPreset(host.context, "exakt") == GN_ERROR_OUT_OF_RANGE);
-    CHECK(contains(gnGetLastError(host.context), "three.yaml: there is no preset 'exakt'; there are exact, volumes"));
+    CHECK(contains(gnGetLastError(host.context), "three.yaml: there is no preset 'exakt'; did you mean 'exact'?"));
     CHECK(serves() == "stencil_volume");
     host.require(gnSetPreset(host.context, nullptr));
     CHECK(serves() == "shadow_map");

@@ -127,10 +127,12 @@ TEST_CASE("a concept concluded from itself is refused where the circle closes, w
                             {"if scene is busy then load is heavy", "if x is high and load is heavy then scene is calm",
                              "if x is low then scene is busy"})) ==
           std::vector<std::string>{
-              "1:4 R08 concept 'scene' is concluded from itself: scene <- load <- scene, closed by rule 'R1'"});
+              "1:4 R08 concept 'scene' is concluded from itself: scene <- load <- scene, closed by rule 'R1'; "
+              "take 'scene' out of that rule's condition"});
     CHECK(refusals(baseWith({concept_("scene", {"busy"})}, {"if not scene is busy then scene is busy"})) ==
           std::vector<std::string>{
-              "1:8 R08 concept 'scene' is concluded from itself: scene <- scene, closed by rule 'R1'"});
+              "1:8 R08 concept 'scene' is concluded from itself: scene <- scene, closed by rule 'R1'; "
+              "take 'scene' out of that rule's condition"});
 }
 
 TEST_CASE("a concept's names are checked like any other, and it is no output")

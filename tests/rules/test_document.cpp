@@ -150,9 +150,9 @@ TEST_CASE("a map reader reports unknown keys, missing ones and wrong kinds at th
     std::string all;
     for (const Diagnostic& d : sink.all())
         all += toText(d) + "\n";
-    CHECK(all == "doc.yaml:1:1: error R04: a thing needs a key 'missing'\n"
-                 "doc.yaml:4:1: error R04: a thing has no key 'odd'\n"
-                 "doc.yaml:1:7: error R04: 'name' must be a text, found a list\n"
-                 "doc.yaml:2:8: error R05: 'count' must be a whole number, found '2.5'\n"
-                 "doc.yaml:3:8: error R05: 'share' must be a number from 0 to 1, found '7'\n");
+    CHECK(all == "doc.yaml:1:1: error: a thing needs a key 'missing' [R04]\n"
+                 "doc.yaml:4:1: error: a thing has no key 'odd'; known: name, count, share, missing [R04]\n"
+                 "doc.yaml:1:7: error: 'name' must be a text, found a list [R04]\n"
+                 "doc.yaml:2:8: error: 'count' must be a whole number, found '2.5' [R05]\n"
+                 "doc.yaml:3:8: error: 'share' must be a number from 0 to 1, found '7' [R05]\n");
 }

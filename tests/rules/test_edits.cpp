@@ -35,8 +35,9 @@ const Edit kEdits[] = {
      "  - id: N5\n",
      "L04", "rules 'N4' and 'N4b' favour and avoid ray_traced at once, with strength 1.00; give the exception a"},
     {"a hole", "far: [30, 60, .inf, .inf]", "far: [70, 80, .inf, .inf]", "L06",
-     "the terms of 'viewerDistance' leave a hole at 60"},
+     "hole at 60: the best membership there is 0.00; let 'far' rise where 'near' falls, from 30 to 60"},
     {"a missing term", "      far: [30, 60, .inf, .inf]\n", "", "L01", "'viewerDistance' has no term 'far'"},
+    {"a typo in a key", "\npolicy:\n", "\npolcy:\n", "R04", "has no key 'polcy'; did you mean 'policy'?"},
     {"a comparison", kSpeck, "if viewerDistance < 30 and screenShare is speck\n", "R06",
      "rules compare no numbers: write 'viewerDistance is TERM'"},
     {"an unknown method", kFavours,
@@ -45,9 +46,9 @@ const Edit kEdits[] = {
     {"a rule twice", kBehindN4,
      "  - id: N4b\n    rule: \"if viewerDistance is near and screenShare is speck then ray_traced is favoured and "
      "stencil_volume is acceptable and pcf_hybrid is acceptable\"\n  - id: N5\n",
-     "L05", "rule 'N4b' says the same as rule 'N4'"},
+     "L05", "rule 'N4b' says the same as rule 'N4'; remove one of them"},
     {"a concept that hangs on itself", "\nsuitability:\n", "\nconcepts:\n  work: [light]\n\nsuitability:\n", "R08",
-     "work"},
+     "closed by rule 'CY1'; take 'work' out of that rule's condition"},
 };
 
 std::string edited(const Edit& edit)
@@ -110,4 +111,9 @@ TEST_CASE("suggestions are a slip away, in long names two, and never another wor
     CHECK(suggestion("middle", known) == "; known: near, far, shadow_map, cube_map");
     CHECK(suggestion("", known).find("did you mean") == std::string::npos);
     CHECK(suggestion("x", {}).empty());
+    const std::vector<std::string_view> many = {"near", "b01", "b02", "b03", "b04", "b05", "b06",
+                                                "b07",  "b08", "b09", "b10", "b11", "b12"};
+    CHECK(suggestion("nera", many) == "; did you mean 'near'?"); // no list to look through
+    CHECK(suggestion("middle", many).starts_with("; known: near, b01, "));
+    CHECK(suggestion("middle", many).ends_with(", b12"));
 }

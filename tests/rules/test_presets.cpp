@@ -82,7 +82,8 @@ TEST_CASE("an unknown preset is refused with those there are")
     const ParseResult read = parseRuleBase(kBase, "f", "wider");
     CHECK(!read.base);
     REQUIRE(read.diagnostics.size() == 1);
-    CHECK(toText(read.diagnostics[0]) == "f: error R05: there is no preset 'wider'; there are wide, turned");
+    CHECK(toText(read.diagnostics[0]) ==
+          "f: error: there is no preset 'wider'; did you mean 'wide'? Known: wide, turned [R05]");
     const ParseResult none = parseRuleBase(shippedRuleBase("thesis"), "thesis", "low");
     REQUIRE(none.diagnostics.size() == 1);
     CHECK(none.diagnostics[0].message == "there is no preset 'low': the rule base has none");
@@ -91,13 +92,15 @@ TEST_CASE("an unknown preset is refused with those there are")
 TEST_CASE("a fault in a preset refuses the base, at its place")
 {
     CHECK(errorsWith("  a: {without: [D]}\n") ==
-          "f:10:17: error R05: 'without' names no rule of the base: 'D'; known: A, B (with preset 'a')\n");
-    CHECK(errorsWith("  a: {extra: 1}\n") == "f:10:7: error R04: preset 'a' has no key 'extra'\n");
-    CHECK(errorsWith("  a: 3\n") == "f:10:6: error R04: preset 'a' must be a map, found a number\n");
+          "f:10:17: error: 'without' names no rule of the base: 'D'; known: A, B (with preset 'a') [R05]\n");
+    CHECK(errorsWith("  a: {extra: 1}\n") ==
+          "f:10:7: error: preset 'a' has no key 'extra'; known: about, options, variables, rules, "
+          "without, otherwise, policy [R04]\n");
+    CHECK(errorsWith("  a: 3\n") == "f:10:6: error: preset 'a' must be a map, found a number [R04]\n");
     CHECK(errorsWith("  a: {policy: {floor: {minimumQuality: 2}}}\n") ==
-          "f:10:40: error R05: 'minimumQuality' must be a number from 0 to 1, found '2' (with preset 'a')\n");
+          "f:10:40: error: 'minimumQuality' must be a number from 0 to 1, found '2' (with preset 'a') [R05]\n");
     CHECK(errorsWith("  a: {rules: [{id: A, rule: if x is lo then p is favoured}]}\n") ==
-          "f:10:37: error L01: 'x' has no term 'lo'; known: low, high (with preset 'a')\n");
+          "f:10:37: error: 'x' has no term 'lo'; known: low, high (with preset 'a') [L01]\n");
     CHECK(errorsWith("  a: {}\n") == "");
 }
 

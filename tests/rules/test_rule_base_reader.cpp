@@ -151,15 +151,16 @@ TEST_CASE("errors name line and column, inside sentences too, and all are report
                         "      if x is low\n"
                         "      then p favoured\n"
                         "  - rule: 'if y is low then p is favoured'\n"
-                        "  - {id: D, rool: x}\n") == "8:14: error R06: expected 'is', found 'favoured'\n"
-                                                     "10:5: error R04: a rule needs a key 'rule'\n"
-                                                     "10:13: error R04: a rule has no key 'rool'\n");
+                        "  - {id: D, rool: x}\n") == "8:14: error: expected 'is', found 'favoured' [R06]\n"
+                                                     "10:5: error: a rule needs a key 'rule' [R04]\n"
+                                                     "10:13: error: a rule has no key 'rool'; known: id, rule, "
+                                                     "because, priority [R04]\n");
     // With the sentences in order, names are checked.
     CHECK(errorsInRules("  - rule: \"if x is lowww then p is favoured\"\n"
                         "  - rule: 'if y is low then p is good'\n") ==
-          "5:20: error L01: 'x' has no term 'lowww'; known: low, high\n"
-          "6:15: error L01: unknown variable 'y'; known: x\n"
-          "6:34: error L01: 'suitability' has no term 'good'; known: avoided, acceptable, favoured\n");
+          "5:20: error: 'x' has no term 'lowww'; known: low, high [L01]\n"
+          "6:15: error: unknown variable 'y'; known: x [L01]\n"
+          "6:34: error: 'suitability' has no term 'good'; known: avoided, acceptable, favoured [L01]\n");
 }
 
 TEST_CASE("a faulty rule base is refused with the place of each fault")
@@ -167,44 +168,46 @@ TEST_CASE("a faulty rule base is refused with the place of each fault")
     const std::string rules = "rules: [{rule: if x is low then p is favoured}]\n";
     const std::string head(kHead);
     CHECK(errorsOf("version: 2\nvariables: {}\nrules: []\n") ==
-          "1:10: error R05: this reader knows version 1 only, found '2'\n");
-    CHECK(errorsOf("- 1\n") == "1:1: error R04: a rule base must be a map, found a list\n");
-    CHECK(errorsOf("version: 1\nrules: []\n") == "1:1: error R04: a rule base needs a key 'variables'\n");
-    CHECK(errorsOf(head + rules + "extra: 1\n") == "5:1: error R04: a rule base has no key 'extra'\n");
+          "1:10: error: this reader knows version 1 only, found '2' [R05]\n");
+    CHECK(errorsOf("- 1\n") == "1:1: error: a rule base must be a map, found a list [R04]\n");
+    CHECK(errorsOf("version: 1\nrules: []\n") == "1:1: error: a rule base needs a key 'variables' [R04]\n");
+    CHECK(errorsOf(head + rules + "extra: 1\n") == "5:1: error: a rule base has no key 'extra'; known: version, "
+                                                   "name, options, variables, concepts, suitability, rules, otherwise, "
+                                                   "policy, kinds, monotony, tuned, presets [R04]\n");
     CHECK(errorsOf(head + rules + "options: {and: most}\n") ==
-          "5:16: error R05: 'and' must be one of min product, found 'most'\n");
+          "5:16: error: 'and' must be one of min product, found 'most' [R05]\n");
     CHECK(errorsOf(head + rules + "options: {defuzzifier: sampled(1)}\n") ==
-          "5:24: error R05: 'defuzzifier' must be centroid or sampled(2 to 100000), found 'sampled(1)'\n");
+          "5:24: error: 'defuzzifier' must be centroid or sampled(2 to 100000), found 'sampled(1)' [R05]\n");
     CHECK(errorsOf(head + rules + "policy: {budget: {headroom: 1.5}}\n") ==
-          "5:29: error R05: 'headroom' must be a number from 0 to 0.99, found '1.5'\n");
+          "5:29: error: 'headroom' must be a number from 0 to 0.99, found '1.5' [R05]\n");
     CHECK(errorsOf(head + rules + "policy: {budget: {targetFrameMs: 0}}\n").find("'targetFrameMs' must be a number") !=
           std::string::npos);
     for (const std::string frames : {"-1", "601", "some", "[8]"})
         CHECK(errorsOf(head + rules + "options: {allocation: budget}\npolicy: {hysteresis: {crossFadeFrames: " +
-                       frames + "}}\n") == "6:40: error R05: 'crossFadeFrames' must be a number from 0 to 600, found " +
-                                               (frames == "[8]" ? "a list" : "'" + frames + "'") + "\n");
+                       frames + "}}\n") == "6:40: error: 'crossFadeFrames' must be a number from 0 to 600, found " +
+                                               (frames == "[8]" ? "a list" : "'" + frames + "'") + " [R05]\n");
     CHECK(errorsOf(head + rules + "options: {allocation: " + std::string(60, 'x') + "}\n") ==
-          "5:23: error R05: 'allocation' must be one of none budget, found '" + std::string(40, 'x') + "...'\n");
+          "5:23: error: 'allocation' must be one of none budget, found '" + std::string(40, 'x') + "...' [R05]\n");
     CHECK(errorsOf(head + rules + "policy: {hysteresis: {crossFadeFrames: 2.5}}\n") ==
-          "5:40: error R05: 'crossFadeFrames' must be a whole number, found '2.5'\n");
+          "5:40: error: 'crossFadeFrames' must be a whole number, found '2.5' [R05]\n");
     CHECK(errorsOf(head + rules + "policy: {floor: {when: z is low}}\n") ==
-          "5:24: error L01: unknown variable 'z'; known: x\n");
+          "5:24: error: unknown variable 'z'; known: x [L01]\n");
     CHECK(errorsOf(head + rules + "otherwise: never p\n") ==
-          "5:18: error R06: 'otherwise' cannot veto: it fires where the rules know nothing\n");
+          "5:18: error: 'otherwise' cannot veto: it fires where the rules know nothing [R06]\n");
     CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
-          "2:27: error R04: a universe is a list of 2 numbers\n2:53: error R05: not a number: 'one'\n");
+          "2:27: error: a universe is a list of 2 numbers [R04]\n2:53: error: not a number: 'one' [R05]\n");
     CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0, 1], terms: {a: [0, 2, 1, 1]}}}\nrules: []\n") ==
-          "2:43: error R05: term 'a': corners must ascend: a <= b <= c <= d\n");
+          "2:43: error: term 'a': corners must ascend: a <= b <= c <= d [R05]\n");
     CHECK(errorsOf(head + "rules: [{id: A, rule: if x is low then p is favoured}, {id: A, rule: if x is high then p is "
-                          "favoured}]\n") == "4:70: error R05: two rules are called 'A'\n");
+                          "favoured}]\n") == "4:70: error: two rules are called 'A' [R05]\n");
     const auto errorOfId = [&](std::string_view id) {
         return errorsOf(head + "rules: [{id: \"" + std::string(id) + "\", rule: if x is low then p is favoured}]\n");
     };
     for (const char* id : {"x\\ny", "x\\0y", "x\\ty", "\\x7f"})
-        CHECK(contains(errorOfId(id), "error R05: the id of a rule holds a control character"));
-    CHECK(contains(errorOfId("otherwise"), "error R05: 'otherwise' cannot be the id of a rule"));
+        CHECK(contains(errorOfId(id), "error: the id of a rule holds a control character"));
+    CHECK(contains(errorOfId("otherwise"), "error: 'otherwise' cannot be the id of a rule"));
     CHECK(errorOfId(std::string(64, 'i')) == "");
-    CHECK(contains(errorOfId(std::string(65, 'i')), "error R05: the id of a rule is longer than 64 bytes"));
+    CHECK(contains(errorOfId(std::string(65, 'i')), "error: the id of a rule is longer than 64 bytes"));
 }
 
 TEST_CASE("concepts and priorities arrive, and a circle is reported at the word that closes it")
@@ -227,12 +230,14 @@ TEST_CASE("concepts and priorities arrive, and a circle is reported at the word 
                           "  - rule: >-\n"
                           "      if x is high and\n"
                           "      load is heavy then scene is busy\n") ==
-          "6:14: error R08: concept 'scene' is concluded from itself: scene <- load <- scene, closed by rule '1'\n");
-    CHECK(errorsOf(head + "concepts: {scene: busy}\nrules: []\n") == "4:19: error R04: a concept is a list of words\n");
+          "6:14: error: concept 'scene' is concluded from itself: scene <- load <- scene, closed by rule '1'; "
+          "take 'scene' out of that rule's condition [R08]\n");
+    CHECK(errorsOf(head + "concepts: {scene: busy}\nrules: []\n") ==
+          "4:19: error: a concept is a list of words [R04]\n");
     CHECK(errorsOf(head + "concepts: []\nrules: []\n") ==
-          "4:11: error R04: 'concepts' must be a map of name: [term, ...], found a list\n");
+          "4:11: error: 'concepts' must be a map of name: [term, ...], found a list [R04]\n");
     CHECK(errorsOf(head + "rules: [{rule: if x is low then p is favoured, priority: 10}]\n") ==
-          "4:58: error R05: 'priority' must be a number from 0 to 9, found '10'\n");
+          "4:58: error: 'priority' must be a number from 0 to 9, found '10' [R05]\n");
 }
 
 TEST_CASE("kinds and promises arrive, and a promise that is none is refused at the word")
@@ -248,22 +253,22 @@ TEST_CASE("kinds and promises arrive, and a promise that is none is refused at t
     CHECK(base.monotony[0].isTrait);
     CHECK(base.monotony[0].name == "soft");
     CHECK(errorsOf(head + "monotony:\n  - more x always raises p\n") ==
-          "6:12: error R06: expected 'never', found 'always'\n");
+          "6:12: error: expected 'never', found 'always' [R06]\n");
     CHECK(errorsOf(head + "monotony:\n  - most x never raises p\n") ==
-          "6:5: error R06: expected 'more' or 'less', found 'most'\n");
+          "6:5: error: expected 'more' or 'less', found 'most' [R06]\n");
     CHECK(errorsOf(head + "monotony:\n  - less z never raises p\n") ==
-          "6:10: error L01: unknown variable 'z'; known: x\n");
-    CHECK(errorsOf(head + "kinds: spot\n") == "5:8: error R04: 'kinds' is a list of words\n");
+          "6:10: error: unknown variable 'z'; known: x [L01]\n");
+    CHECK(errorsOf(head + "kinds: spot\n") == "5:8: error: 'kinds' is a list of words [R04]\n");
 }
 
 TEST_CASE("aliases, anchors, merge keys and repeated keys are errors")
 {
-    CHECK(errorsOf(std::string(kHead) + "rules: &r []\n") == "4:8: error R02: anchors are not accepted\n");
-    CHECK(errorsOf("a: &x {b: 1}\nc: *x\n").substr(0, 15) == "1:4: error R02:");
+    CHECK(errorsOf(std::string(kHead) + "rules: &r []\n") == "4:8: error: anchors are not accepted [R02]\n");
+    CHECK(contains(errorsOf("a: &x {b: 1}\nc: *x\n"), "1:4: error: anchors are not accepted [R02]"));
     CHECK(errorsOf(std::string(kHead) + "rules: []\nversion: 1\n") ==
-          "5:1: error R03: key 'version' stands twice in one map\n");
+          "5:1: error: key 'version' stands twice in one map [R03]\n");
     CHECK(errorsOf("version: 1\nvariables:\n  x: {universe: [0, 1], terms: {a: [0, 0, 1, 1], a: [0, 0, 1, 1]}}\nrules: "
-                   "[]\n") == "3:50: error R03: key 'a' stands twice in one map\n");
+                   "[]\n") == "3:50: error: key 'a' stands twice in one map [R03]\n");
 }
 
 TEST_CASE("every limit on a rule file is where the page says: what reaches it is read, one more is refused")
@@ -274,7 +279,7 @@ TEST_CASE("every limit on a rule file is where the page says: what reaches it is
         text += "  - {rule: 'if x is low then o is favoured'}\n";
     CHECK(errorsOf(text) == "");
     CHECK(errorsOf(text + "  - {rule: 'if x is low then o is favoured'}\n") ==
-          "4101:5: error R07: more than 4096 rules\n");
+          "4101:5: error: more than 4096 rules [R07]\n");
 
     // 1 MiB, filled up by a comment.
     const std::string small = "version: 1\nvariables:\n  x: {universe: [0, 1], terms: {low: [0, 0, 1, 1]}}\n"
@@ -282,15 +287,15 @@ TEST_CASE("every limit on a rule file is where the page says: what reaches it is
     constexpr std::size_t kMost = std::size_t(1) << 20;
     CHECK(errorsOf(small + std::string(kMost - small.size(), '#')) == "");
     CHECK(errorsOf(small + std::string(kMost + 1 - small.size(), '#')) ==
-          " error R07: the text is longer than 1048576 bytes\n");
+          " error: the text is longer than 1048576 bytes [R07]\n");
 
     // 32 levels: the map of the file is one, so 31 lists may stand in a value. What they hold is no name, which is the
     // reader's to say; of the 32nd the parser says that it is too deep, and says nothing else.
     const auto nested = [&](std::size_t levels) {
         return "version: 1\nname: " + std::string(levels, '[') + std::string(levels, ']') + small.substr(10);
     };
-    CHECK(errorsOf(nested(31)) == "2:7: error R04: 'name' must be a text, found a list\n");
-    CHECK(errorsOf(nested(32)) == "2:38: error R07: nested deeper than 32\n");
+    CHECK(errorsOf(nested(31)) == "2:7: error: 'name' must be a text, found a list [R04]\n");
+    CHECK(errorsOf(nested(32)) == "2:38: error: nested deeper than 32 [R07]\n");
 }
 
 TEST_CASE("a text as long as may be takes a time in proportion, however its names are laid out")
@@ -351,12 +356,12 @@ TEST_CASE("a comma locale changes no number, in C or in C++")
     CHECK(decisions(shippedRuleBase("default")) == expected);
     CHECK(shortestText(1234.5) == "1234.5");
     CHECK(errorsOf("version: 1\nvariables: {x: {universe: [0, 1], terms: {a: [0, 0, 1, one]}}}\nrules: []\n") ==
-          "2:56: error R05: not a number: 'one'\n");
+          "2:56: error: not a number: 'one' [R05]\n");
     std::locale::global(before);
 }
 
 TEST_CASE("diagnostics count lines without grouping them, beyond a thousand")
 {
     const std::string text = std::string(1500, '\n') + "version: 1\nversion: 1\n";
-    CHECK(errorsOf(text) == "1502:1: error R03: key 'version' stands twice in one map\n");
+    CHECK(errorsOf(text) == "1502:1: error: key 'version' stands twice in one map [R03]\n");
 }

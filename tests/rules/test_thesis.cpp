@@ -133,6 +133,6 @@ TEST_CASE("table 6.1 to the letter has one hole, and the linter draws it")
     const std::string path = std::string(data) + "/tests/rules/thesis_crisp.yaml";
     const std::vector<Diagnostic> found = lint(parsed(readFile(path), "thesis_crisp.yaml"), vocabulary());
     REQUIRE(found.size() == 1);
-    CHECK(toText(found[0]) == "thesis_crisp.yaml:7:3: warning L02: no rule speaks of any output where "
-                              "1 <= dynamicLights <= 2 (upToEight), viewerDistance > 45 (far)");
+    CHECK(toText(found[0]) == "thesis_crisp.yaml:7:3: warning: no rule speaks of any output where "
+                              "1 <= dynamicLights <= 2 (upToEight), viewerDistance > 45 (far) [L02]");
 }
