@@ -6,6 +6,7 @@
 
 #include "demo/host/vulkan.hpp" // HostError
 #include "demo/scene/scene_file.hpp"
+#include "rules/engine/diagnostic.hpp"
 #include "runtime/registry.hpp"
 
 namespace gnomon::demo {
@@ -47,6 +48,15 @@ std::string ownersOf(const std::string& setting)
     return owners;
 }
 
+std::string settingHint(const std::string& name)
+{
+    std::vector<std::string_view> known;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        for (const SettingSpec& setting : algorithm.entry->settings)
+            if (std::find(known.begin(), known.end(), setting.name) == known.end()) known.emplace_back(setting.name);
+    return rules::suggestion(name, known);
+}
+
 /// \param methods empty: all of this build.
 bool isSettingOf(const std::vector<std::string>& methods, const std::string& setting)
 {
@@ -67,12 +77,10 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
 {
     for (const std::string& name : names) {
         if (entryOf(name) || std::find(besides.begin(), besides.end(), name) != besides.end()) continue;
-        std::string known;
+        std::vector<std::string_view> known(besides.begin(), besides.end());
         for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
-            known += std::string(known.empty() ? "" : ", ") + algorithm.entry->name;
-        for (const char* word : besides)
-            known += std::string(", ") + word;
-        throw HostError("no method named '" + name + "' in this build; there are " + known);
+            known.emplace_back(algorithm.entry->name);
+        throw HostError("no method named '" + name + "' in this build" + rules::suggestion(name, known));
     }
 }
 
@@ -86,7 +94,8 @@ void requireSettings(const std::vector<SettingChoice>& choices, const std::vecto
     for (const SettingChoice& choice : choices) {
         if (isSettingOf(methods, choice.name)) continue;
         const std::string owners = ownersOf(choice.name);
-        if (owners.empty()) throw HostError("--set: no method has a setting '" + choice.name + "'");
+        if (owners.empty())
+            throw HostError("--set: no method has a setting '" + choice.name + "'" + settingHint(choice.name));
         throw HostError("--set: no method that is measured has a setting '" + choice.name + "'; it belongs to " +
                         owners);
     }

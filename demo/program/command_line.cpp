@@ -1,12 +1,16 @@
 #include "demo/program/command_line.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
 #include "demo/io/number.hpp"
+#include "rules/engine/diagnostic.hpp"
 
 namespace gnomon::demo {
 namespace {
+
+constexpr int kNotUnderstood = 2; ///< Exit code: the command line; what fails later is 1.
 
 /// Where a name is wanted, blanks and commas alone are none; the default would take their place unsaid.
 void refuseNothing(CLI::App& app)
@@ -25,12 +29,13 @@ void refuseNothing(CLI::App& app)
 bool isUnknownCommand(const CLI::App& app, int argc, char** argv)
 {
     if (argc < 2 || argv[1][0] == '-') return false;
-    std::string known;
-    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-        if (command->get_name() == argv[1]) return false;
-        known += (known.empty() ? "" : ", ") + command->get_name();
-    }
-    std::fprintf(stderr, "%s: no command '%s'; there are %s\n", app.get_name().c_str(), argv[1], known.c_str());
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(command->get_name());
+    if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return false;
+    const std::vector<std::string_view> known(names.begin(), names.end());
+    std::fprintf(stderr, "%s: no command '%s'%s\n", app.get_name().c_str(), argv[1],
+                 rules::suggestion(argv[1], known).c_str());
     return true;
 }
 
@@ -78,11 +83,11 @@ CLI::Validator notNegative()
 int runCommandLine(CLI::App& app, int argc, char** argv, const int& exitCode)
 {
     refuseNothing(app);
-    if (isUnknownCommand(app, argc, argv)) return 1;
+    if (isUnknownCommand(app, argc, argv)) return kNotUnderstood;
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
-        return finish(app, app.exit(error));
+        return finish(app, app.exit(error) == 0 ? 0 : kNotUnderstood); // --help ends here, too
     } catch (const std::exception& error) {
         std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
         return 1;

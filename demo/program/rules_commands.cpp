@@ -122,17 +122,34 @@ std::vector<rules::Diagnostic> lintAlong(const std::string& file, const rules::R
     return rules::lintTrace(*bound.engine, {.rows = rows, .noise = {}, .frames = frames});
 }
 
+/// What facts of a unit can be; none is negative.
+struct FactRange {
+    std::string_view unit;
+    double high;
+    bool isWhole = false;
+};
+constexpr FactRange kFactRanges[] = {
+    {"count", 65536.0, true},                                       // lights: a view may have more than are drawn
+    {"share", 1.0},           {"flag", 1.0, true}, {"m", 1e6},      // beyond, a float's step is a sixteenth of a metre
+    {"log10", 12.0},                                                // a million million triangles
+    {"ratio", 1000.0},        {"Hz", 10000.0},     {"px", 65536.0}, // wider than any picture
+};
+
 /// What no scene can have is a slip: per cent in place of a share, say.
 void requireInRange(const rules::FactInfo& fact, double value, const std::string& item)
 {
-    std::string hundredth;
+    const auto range = std::find_if(std::begin(kFactRanges), std::end(kFactRanges),
+                                    [&](const FactRange& known) { return known.unit == fact.unit; });
+    if (range == std::end(kFactRanges)) return;
+    const bool isWhole = !range->isWhole || value == std::floor(value);
+    if (value >= 0.0 && value <= range->high && isWhole) return;
+    std::string high, hundredth;
+    appendFixed(high, range->high, 0);
     appendNumber(hundredth, value / 100.0);
-    if (fact.unit == "share" && value > 1.0)
-        throw HostError("--facts: '" + item + "' is out of range: a share goes from 0 to 1; for per cent write " +
-                        hundredth);
-    if (fact.unit == "flag" && value > 1.0)
-        throw HostError("--facts: '" + item + "' is out of range: a flag goes from 0 to 1");
-    if (value < 0.0) throw HostError("--facts: '" + item + "' is out of range: no fact is negative");
+    const bool isPercent = fact.unit == "share" && value > 1.0 && value <= 100.0;
+    throw HostError("--facts: '" + item + "' is out of range: " + fact.name + " is a " +
+                    (range->isWhole ? "whole number" : "number") + " from 0 to " + high + " (" + fact.unit + ")" +
+                    (isPercent ? "; for per cent write " + hundredth : ""));
 }
 
 } // namespace
@@ -146,10 +163,10 @@ std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vo
         const auto found = std::find_if(vocabulary.facts.begin(), vocabulary.facts.end(),
                                         [&name](const rules::FactInfo& fact) { return fact.name == name; });
         if (found == vocabulary.facts.end()) {
-            std::string known;
+            std::vector<std::string_view> known;
             for (const rules::FactInfo& fact : vocabulary.facts)
-                known += (known.empty() ? "" : ", ") + fact.name;
-            throw HostError("--facts: no fact '" + name + "'; there are " + known);
+                known.push_back(fact.name);
+            throw HostError("--facts: no fact '" + name + "'" + rules::suggestion(name, known));
         }
         const std::optional<double> value = equals == std::string::npos
                                                 ? std::nullopt

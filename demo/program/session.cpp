@@ -8,6 +8,7 @@
 #include "demo/io/number.hpp"
 #include "demo/scene/scene_file.hpp"
 #ifdef GNOMON_WITH_YAML
+#include "rules/engine/diagnostic.hpp"
 #include "rules/yaml/shipped.hpp"
 #endif
 
@@ -170,8 +171,11 @@ Outcome<RuleText> findRules(const std::string& nameOrPath)
 #ifdef GNOMON_WITH_YAML
     for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
         if (base.name == wanted) return RuleText{std::string(base.text), wanted, preset};
-    return Outcome<RuleText>::failure("no rule base '" + wanted +
-                                      "': neither a file nor one of: " + shippedRuleNames());
+    std::vector<std::string_view> known;
+    for (const rules::ShippedRuleBase& base : rules::shippedRuleBases())
+        known.push_back(base.name);
+    return Outcome<RuleText>::failure("no rule base '" + wanted + "', and no such file" +
+                                      rules::suggestion(wanted, known));
 #else
     if (nameOrPath.empty()) return RuleText{};
     return Outcome<RuleText>::failure(wanted + ": this build reads no rule bases (GNOMON_WITH_YAML is off)");

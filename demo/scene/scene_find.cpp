@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "rules/engine/diagnostic.hpp"
+
 namespace gnomon::demo {
 namespace {
 
@@ -44,11 +46,12 @@ Outcome<fs::path> findScene(const std::string& nameOrPath)
         const fs::path file = folder / (nameOrPath + ".yaml");
         if (fs::is_regular_file(file, ignored)) return file.lexically_normal();
     }
-    std::string known;
-    for (const ShippedScene& scene : shippedScenes())
-        known += (known.empty() ? "" : ", ") + scene.name;
-    return Outcome<fs::path>::failure("no scene named '" + nameOrPath + "'; there are " +
-                                      (known.empty() ? "none" : known));
+    const std::vector<ShippedScene> shipped = shippedScenes();
+    std::vector<std::string_view> known;
+    for (const ShippedScene& scene : shipped)
+        known.push_back(scene.name);
+    return Outcome<fs::path>::failure("no scene named '" + nameOrPath + "'" +
+                                      (known.empty() ? "; there are none" : rules::suggestion(nameOrPath, known)));
 }
 
 std::vector<ShippedScene> shippedScenes()

@@ -181,7 +181,16 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
         {"run room --lights 1 --why 3:point2", "'point2'"},
         {"run room --why 3:spot1:nosuch", "'nosuch'"},
         {"run room --frames 6 --why 6:spot1", "frame 6"},
-        {"nosuch --frames 6", "no command 'nosuch'; there are run, "},
+        {"bench city_nihgt", "no scene named 'city_nihgt'; did you mean 'city_night'?"},
+        {"bench room --methods shadwo_map", "no method named 'shadwo_map' in this build; did you mean 'shadow_map'?"},
+        {"bench room --methods nosuch", "; known: none, bare_shadow_map, shadow_map, "},
+        {"bench room --set reslution=64", "did you mean 'resolution'?"},
+        {"lint defualt", "no rule base 'defualt', and no such file; did you mean 'default'? Known: default, "},
+        {"explain thesis --facts viewrDistance=5", "no fact 'viewrDistance'; did you mean 'viewerDistance'?"},
+        {"explain thesis --facts viewerDistance=1e9", "viewerDistance is a number from 0 to 1000000 (m)"},
+        {"explain thesis --facts dynamicLights=2.5", "dynamicLights is a whole number from 0 to 65536 (count)"},
+        {"explain thesis --facts viewerDistance=-1", "viewerDistance is a number from 0 to 1000000 (m)"},
+        {"explain default --facts recorded=2", "recorded is a whole number from 0 to 1 (flag)"},
         {"trace room --budget-ms 1e9", "1e9"},
         {"run room --dump kept.csv/dump", "kept.csv/dump"},
         {"run room --out kept.csv", "kept.csv"},
@@ -228,6 +237,34 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
     CHECK(gnomonProgram("replay x --seed -1", before).output.find("'-1' is below 0") != std::string::npos);
     for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d", "--window --out d"})
         CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
+}
+
+TEST_CASE("exit codes tell a command line that is not understood from a command that fails")
+{
+    const Folder folder("codes");
+    const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
+    const std::pair<const char*, const char*> usage[] = {
+        {"", "A subcommand is required"},
+        {"nosuch --frames 6", "no command 'nosuch'; known: run, why, bench, "},
+        {"benhc room", "no command 'benhc'; did you mean 'bench'?"},
+        {"run", "SCENE is required"},
+        {"run room --nosuch", "--nosuch"},
+        {"run room --frames x", "--frames"},
+        {"run room --frames 0", "--frames"},
+        {"lint default --strict --json more", "more"},
+    };
+    for (const auto& bad : usage) {
+        CAPTURE(bad.first);
+        const Ran ran = gnomonProgram(bad.first, before);
+        CHECK(ran.exitCode == 2);
+        CHECK_MESSAGE(ran.output.find(bad.second) != std::string::npos, ran.output);
+    }
+    for (const char* good : {"--help", "run --help", "--version", "lint default", "methods"})
+        CHECK_MESSAGE(gnomonProgram(good, good == std::string("methods") ? "" : before).exitCode == 0, good);
+    for (const char* failing : {"run room --frames 1", "report none", "lint none", "why none --frame 0 --light a"})
+        CHECK_MESSAGE(gnomonProgram(failing, before).exitCode == 1, failing);
+    std::ofstream(folder.path / "bad.yaml") << "version: 1\nrules: [}\n";
+    CHECK(gnomonProgram("lint bad.yaml", before).exitCode == 1);
 }
 
 TEST_CASE("a picture that gnuplot would draw is refused where gnuplot is missing, before anything is measured")
