@@ -49,6 +49,14 @@ namespace {
 /// worth measuring on.
 constexpr double kRepeated = 1.5;
 
+/// \param lights 0: the scene's.
+Scene sceneOf(const std::string& name, uint32_t lights)
+{
+    Scene scene = valueOf(loadScene(name));
+    if (lights > 0) limitLights(scene, lights);
+    return scene;
+}
+
 Stage stageOf(Device& device, const Scene& scene, const CompareOptions& options)
 {
     const VkExtent2D size =
@@ -84,7 +92,7 @@ std::vector<uint32_t> mapSides(const CompareOptions& options)
 }
 
 Contest::Contest(const CompareOptions& options, const std::string& scene)
-    : options_(options), scene_(valueOf(loadScene(scene))), device_(Device::create({})),
+    : options_(options), scene_(sceneOf(scene, options.lights)), device_(Device::create({})),
       stage_(stageOf(*device_, scene_, options))
 {
     addAdaptive();

@@ -1,9 +1,12 @@
 // The table and the plot of a comparison.
+#include <utility>
+
 #include "demo/compare/report.hpp"
 #include "demo/compare/standing.hpp"
 #include "demo/program/envelope.hpp"
 #include "demo/program/gnuplot.hpp"
 #include "demo/program/pictures.hpp"
+#include "demo/report/csv_reader.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -29,10 +32,10 @@ PlotCurve curve(const std::string& title, const std::string& style, const std::v
 CsvWriter emptyTable()
 {
     return CsvWriter({"scene", "run", "pass", "alternation", "frame", "frame_ms", "sentinel_ms", "shadow_ms",
-                      "adaptive", "equal_quality", "near_wrong_pct", "far_wrong_pct"});
+                      "adaptive", "equal_quality", "near_wrong_pct", "far_wrong_pct", std::string(kCommandColumn)});
 }
 
-void appendTable(CsvWriter& csv, const Contest& contest)
+void appendTable(CsvWriter& csv, const Contest& contest, std::string command)
 {
     for (const Row& row : contest.rows()) {
         for (size_t i = 0; i < row.runs.size(); ++i) {
@@ -41,7 +44,8 @@ void appendTable(CsvWriter& csv, const Contest& contest)
                 csv.cell(contest.scene().name).cell(row.name).cell(row.warm ? "warm" : "cold").cell(i).cell(frame);
                 csv.cell(run.frameMs[frame], 3).cell(run.sentinelMs[frame], 3).cell(run.shadowMs[frame]);
                 csv.cell(row.adaptive).cell(contest.quality().holds(row.errors));
-                csv.cell(row.errors.near.percent(), 4).cell(row.errors.far.percent(), 4).endRow();
+                csv.cell(row.errors.near.percent(), 4).cell(row.errors.far.percent(), 4);
+                csv.cell(std::exchange(command, {})).endRow();
             }
         }
     }

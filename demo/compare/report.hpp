@@ -25,8 +25,8 @@ void printWords(const Contest& contest);
 
 /// Columns of the table that appendTable() fills.
 CsvWriter emptyTable();
-/// A row per frame of every run.
-void appendTable(CsvWriter& csv, const Contest& contest);
+/// A row per frame of every run. \param command in the first of them.
+void appendTable(CsvWriter& csv, const Contest& contest, std::string command);
 
 /// Milliseconds of every frame of the cold runs: the fixed choices, what could be had of those of equal quality, and
 /// the adaptive runs.

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <utility>
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/file.hpp"
 #include "demo/program/bench_scene.hpp"
 #include "demo/program/checks.hpp"
+#include "demo/report/csv_reader.hpp"
 #include "demo/report/sections.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -166,12 +168,15 @@ int benchCommand(const BenchOptions& options)
         std::all_of(jobs.begin(), jobs.end(), [](const Job& job) { return job.empty(); }))
         throw HostError("none of the methods asked for can be measured here");
 
-    CsvWriter csv(benchColumns());
+    std::vector<std::string> columns = benchColumns();
+    columns.emplace_back(kCommandColumn);
+    CsvWriter csv(std::move(columns));
     Benched measured;
+    std::string command = options.command;
     const auto keep = [&](const BenchRow& row) {
         printRow(row);
         addCells(csv, row, *device);
-        csv.endRow();
+        csv.cell(std::exchange(command, {})).endRow();
         if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later shall not take it along
         if (row.hasErrors) measured.rows.push_back(plottedRow(row, device->properties.deviceName));
     };

@@ -49,6 +49,7 @@ struct BenchOptions {
     bool recorded = false;
     bool passes = false;  ///< Print what each pass takes.
     std::string aliasing; ///< Folder for pictures of it; empty: none.
+    std::string command;  ///< As it was typed; for the table.
 };
 int benchCommand(const BenchOptions& options);
 
@@ -74,10 +75,12 @@ struct CompareOptions {
     std::string knowledge;           ///< loadKnowledge().
     std::string entry = "submitted"; ///< Or "recorded".
     double seconds = 0.0;            ///< Of the scene's path; 0: all.
+    uint32_t lights = 0;             ///< 0: the scene's.
     uint32_t stride = 1;             ///< Every so many of the scene's frames.
     uint32_t alternations = 3;
     float budgetMs = 0.0f; ///< 0: the host gives none.
     bool warm = false;     ///< A second time over the path with the same contexts.
+    std::string command;   ///< As it was typed; for the table.
 };
 int compareCommand(const CompareOptions& options);
 
@@ -94,8 +97,8 @@ int calibrateCommand(const CalibrateOptions& options);
 std::string shellQuoted(const std::string& word);
 
 struct ReportOptions {
-    std::string run = "out/run";             ///< A folder of `gnomon run`.
-    std::string to;                          ///< Empty: report.html in it.
+    std::string run;                         ///< A folder of `gnomon run`. Empty: tables alone, or without any out/run.
+    std::string to;                          ///< Empty: report.html in it, or beside the first table.
     std::vector<std::string> compare, bench; ///< Tables of these commands.
 };
 int reportCommand(const ReportOptions& options);

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <utility>
 
 #include "demo/compare/report.hpp"
 #include "demo/program/checks.hpp"
@@ -16,6 +17,7 @@ int compareCommand(const CompareOptions& options)
     if (!options.plot.empty() && options.scenes.size() > 1)
         throw HostError("--plot draws one scene, not " + std::to_string(options.scenes.size()));
     CsvWriter csv = emptyTable();
+    std::string command = options.command;
     std::vector<ScenePart> parts;
     for (const std::string& scene : options.scenes) {
         Contest contest(options, scene);
@@ -25,7 +27,7 @@ int compareCommand(const CompareOptions& options)
         printWords(contest);
         std::printf("\n");
         std::fflush(stdout); // another scene may take an hour
-        appendTable(csv, contest);
+        appendTable(csv, contest, std::exchange(command, {}));
         if (!options.csv.empty()) expect(csv.save(options.csv)); // before drawing, which may fail
         if (!options.plot.empty()) plotFrames(contest, options.plot);
         requireSilence(contest.stage().device);

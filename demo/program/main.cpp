@@ -14,6 +14,14 @@ std::string rulesHelp()
     return "rule base: a path, or one of " + shippedRuleNames() + "; `:PRESET` behind it picks a preset";
 }
 
+std::string typedCommand(int argc, char** argv)
+{
+    std::string text = "gnomon";
+    for (int i = 1; i < argc; ++i)
+        text.append(" ").append(shellQuoted(argv[i]));
+    return text;
+}
+
 void addSources(CLI::App& command, SourceSizes& sources)
 {
     command
@@ -154,6 +162,8 @@ void addCompare(CLI::App& app, CompareOptions& options, int& exitCode)
                         "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one "
                         "nearest to the device");
     compare->add_option("--size", options.size, "picture size; default: the scene's");
+    compare->add_option("--lights", options.lights, "number of lights; default: the scene's")
+        ->check(CLI::Range(1, 256));
     compare->add_option("--seconds", options.seconds, "of the scene's path; default: all of it")
         ->check(numberAbove0To(86400.0));
     compare->add_option("--stride", options.stride, "draw every so many of the scene's frames")
@@ -202,8 +212,9 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
 void addReport(CLI::App& app, ReportOptions& options, int& exitCode)
 {
     CLI::App* report = app.add_subcommand("report", "one HTML page about a run, and measurements beside it");
-    report->add_option("RUN", options.run, "a folder that `gnomon run` has filled")->capture_default_str();
-    report->add_option("--to", options.to, "file to write; default: report.html in that folder");
+    report->add_option("RUN", options.run,
+                       "a folder that `gnomon run` has filled; default: out/run, or none with tables");
+    report->add_option("--to", options.to, "file to write; default: report.html in that folder, or beside the table");
     report->add_option("--compare", options.compare, "a table of `gnomon compare --csv`; may be repeated");
     report->add_option("--bench", options.bench, "a table of `gnomon bench --csv`; may be repeated");
     report->callback([&] { exitCode = reportCommand(options); });
@@ -269,6 +280,7 @@ int main(int argc, char** argv)
     addPublish(app, publish, exitCode);
     addContact(app, contact, exitCode);
     CompareOptions compare;
+    bench.command = compare.command = typedCommand(argc, argv);
     addCompare(app, compare, exitCode);
     CalibrateOptions calibrate;
     addCalibrate(app, calibrate, exitCode);

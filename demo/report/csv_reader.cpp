@@ -59,6 +59,15 @@ Outcome<std::vector<std::string>> readCsv(const std::filesystem::path& file, std
     return notes;
 }
 
+std::string commandIn(const std::filesystem::path& file)
+{
+    std::string command;
+    (void)readCsv(file, std::span(&kCommandColumn, 1), [&](std::span<const std::string> cells) {
+        if (command.empty()) command = cells[0];
+    });
+    return command;
+}
+
 double numberIn(const std::string& cell)
 {
     return parseNumber(cell).value_or(std::numeric_limits<double>::quiet_NaN());

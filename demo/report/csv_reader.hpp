@@ -15,6 +15,12 @@ namespace gnomon::demo {
 Outcome<std::vector<std::string>> readCsv(const std::filesystem::path& file, std::span<const std::string_view> columns,
                                           const std::function<void(std::span<const std::string>)>& visit);
 
+/// The last column of the tables of `bench` and `compare`: the command that made the table, in the first row.
+inline constexpr std::string_view kCommandColumn = "command";
+
+/// Empty: the table has no such column.
+std::string commandIn(const std::filesystem::path& file);
+
 /// NaN where the cell is no number.
 double numberIn(const std::string& cell);
 

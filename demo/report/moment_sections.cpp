@@ -107,15 +107,13 @@ std::string worstSection(const RunData& run)
     return out + "</section>\n";
 }
 
-std::string reproduceSection(const RunData& run, std::span<const std::string> commands)
+std::string reproduceSection(std::span<const std::string> commands, std::span<const std::string> notes)
 {
     std::string out = "<section><h2>See it again</h2><pre>";
-    const std::string command = run.fact("command");
-    if (!command.empty()) out += escaped(command) + "\n";
     for (const std::string& line : commands)
         out += escaped(line) + "\n";
     out += "</pre>\n";
-    for (const std::string& note : run.notes)
+    for (const std::string& note : notes)
         out += "<p class=\"note\">" + escaped(note) + "</p>\n";
     return out + "</section>\n";
 }

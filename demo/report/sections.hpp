@@ -18,6 +18,6 @@ std::string errorSection(const Benched& benched);
 std::string errorPicture(const Benched& benched);
 std::string pictureSection(const RunData& run);
 std::string worstSection(const RunData& run);
-std::string reproduceSection(const RunData& run, std::span<const std::string> commands);
+std::string reproduceSection(std::span<const std::string> commands, std::span<const std::string> notes);
 
 } // namespace gnomon::demo

@@ -10,9 +10,16 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
+#include "demo/host/vulkan.hpp"
 #include "demo/io/file.hpp"
+#include "demo/io/png.hpp"
+#include "demo/program/commands.hpp"
+#include "demo/program/gnuplot.hpp"
+#include "runtime/registry.hpp"
 
+namespace fs = std::filesystem;
 using namespace gnomon::demo;
 
 namespace {
@@ -21,6 +28,10 @@ constexpr const char* kFramesHead = "frame,time_s,frame_ms,fps,shadow_gpu_ms,sha
                                     "budget_ms,over_budget\n";
 constexpr const char* kLightsHead =
     "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason,map_side\n";
+
+const std::string kCompareHead = "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms,adaptive,"
+                                 "equal_quality,near_wrong_pct,far_wrong_pct,command\n";
+const std::string kBenchHead = "scene,method,map,increment_ms_min,wrong_pct,device,penumbra_rmse,memory_mib,command\n";
 
 /// A folder as `gnomon run` leaves it.
 struct Folder {
@@ -57,7 +68,8 @@ std::string pageOf(const RunData& run)
 {
     const std::string command = "gnomon report x";
     return page("test", headlineSection(run) + frameSection(run) + laneSection(run) + distanceSection(run) +
-                            pictureSection(run) + worstSection(run) + reproduceSection(run, std::span(&command, 1)));
+                            pictureSection(run) + worstSection(run) +
+                            reproduceSection(std::span(&command, 1), run.notes));
 }
 
 /// Whether every tag is closed in order and nothing but known entities and tags stands in the text: what an XML parser
@@ -85,6 +97,24 @@ bool isWellFormed(const std::string& text)
         i = end + 1;
     }
     return open.empty();
+}
+
+/// The colour of the lane's box whose tip names the method.
+std::string laneFill(const std::string& text, const std::string& method)
+{
+    const size_t tip = text.find("<title>of " + method + ", frame 0");
+    const size_t fill = tip == std::string::npos ? tip : text.rfind("fill=\"", tip);
+    return fill == std::string::npos ? std::string() : text.substr(fill + 6, 7);
+}
+
+/// What no format makes small.
+Image8 noise(uint32_t width, uint32_t height)
+{
+    Image8 image(width, height, 3);
+    uint32_t state = 1;
+    for (uint8_t& texel : image.texels)
+        texel = static_cast<uint8_t>((state = state * 1664525u + 1013904223u) >> 24);
+    return image;
 }
 
 size_t countOf(const std::string& text, std::string_view word)
@@ -256,6 +286,79 @@ TEST_CASE("the Pareto front has what nothing else beats in both")
         {.rows = {{.scene = "a", .method = "x", .ms = 1.0, .error = 0.2, .soft = true}, {.scene = "a", .method = "y"}},
          .notes = {}});
     CHECK(countOf(both, "<svg") == 2); // an RMSE and a share of pixels do not stand on one axis
+}
+
+TEST_CASE("tables without a run make a page, beside the first of them, that says how each was made")
+{
+    const Folder folder;
+    fs::remove(folder.path / "frames.csv");
+    folder.write("compare.csv", kCompareHead + "hall,default,cold,0,0,20,1,8,1,1,0.1,0.2,gnomon compare hall\n" +
+                                    "hall,cube_map,cold,0,0,26,1,14,0,0,3,4,\n");
+    folder.write("bench.csv", kBenchHead + "room,ray_traced,,9,0,gpu,,2,gnomon bench room --repeat 3\n" +
+                                  "room,shadow_map,512,3,0.5,gpu,,4,\n");
+    const std::string compare = (folder.path / "compare.csv").string(), bench = (folder.path / "bench.csv").string();
+    CHECK(reportCommand({.compare = {compare}, .bench = {bench}}) == 0);
+    const std::string both = valueOf(readText(folder.path / "report.html"));
+    CHECK(isWellFormed(both));
+    CHECK(countOf(both, "<svg") == 1);
+    CHECK(both.find("<td>cube_map</td><td>26.0</td>") != std::string::npos);
+    CHECK(both.find("gnomon compare hall\ngnomon bench room --repeat 3\ngnomon report --compare " + compare) !=
+          std::string::npos);
+    CHECK(both.find("has no frames") == std::string::npos);
+
+    folder.write("bench.csv", kBenchHead);
+    CHECK(reportCommand({.bench = {bench}}) == 0);
+    CHECK(valueOf(readText(folder.path / "report.html")).find("The tables hold nothing to draw") != std::string::npos);
+    CHECK_THROWS(reportCommand({.run = folder.path.string(), .bench = {bench}})); // a run that is named must be there
+}
+
+TEST_CASE("a page over two megabytes goes without its pictures, and says so")
+{
+    const Folder folder;
+    std::string rows;
+    const std::string name(400, 'm');
+    for (int i = 0; i < 1300; ++i)
+        rows += "room," + name + std::to_string(i) + "," + "," + std::to_string(i + 1) + ",1,gpu,,2,\n";
+    folder.write("frames.csv", kFramesHead + frameLine(0, "10"));
+    folder.write("bench.csv", kBenchHead + rows);
+    for (const char* picture : {"frame_00000.png", "frame_00000_methods.png"})
+        REQUIRE(writePng(folder.path / picture, noise(400, 300)));
+    const auto report = [&](std::vector<std::string> tables) {
+        CHECK(reportCommand({.run = folder.path.string(), .bench = std::move(tables)}) == 0);
+        return valueOf(readText(folder.path / "report.html"));
+    };
+    const std::string bench = (folder.path / "bench.csv").string();
+    const std::string without = report({}), with = report({bench});
+    MESSAGE("pages: " << without.size() << " and " << with.size() << " bytes");
+    CHECK(without.find("data:image/png") != std::string::npos);
+    CHECK(with.size() < 2'000'000);
+    CHECK(with.find("data:image/png") == std::string::npos);
+    CHECK(with.find("pictures are left out") != std::string::npos);
+}
+
+TEST_CASE("sixty-four methods keep apart in lanes and legend")
+{
+    const Folder folder;
+    std::string lights = kLightsHead;
+    std::vector<std::string> names;
+    for (const gnomon::BuiltinAlgorithm& algorithm : gnomon::builtinRegistry().algorithms)
+        if (names.size() < 64) names.emplace_back(algorithm.entry->name);
+    REQUIRE(names.size() > 20); // a build without optional libraries has fewer
+    for (const std::string& name : names)
+        lights += lightLine(0, "of " + name, name, 5.0);
+    folder.write("frames.csv", kFramesHead + frameLine(0, "10", int(names.size())));
+    folder.write("lights.csv", lights);
+    const std::string text = pageOf(folder.read());
+    CHECK(isWellFormed(text));
+    CHECK(text.size() < 200'000);
+    std::set<std::string> colours;
+    for (const std::string& name : names) {
+        const std::string colour = hexOf(methodColour(name));
+        colours.insert(colour);
+        CHECK_MESSAGE(text.find("background:" + colour + "\"></i>" + name + "</span>") != std::string::npos, name);
+        CHECK_MESSAGE(laneFill(text, name) == colour, name);
+    }
+    CHECK(colours.size() == names.size());
 }
 
 TEST_CASE("a comparison has a table for each place and kind of light, and marks what nothing beats in time and error")
