@@ -136,6 +136,7 @@ struct PlotOptions {
     std::string rules, out = "rules.html";
     std::string over;  ///< Two variables: also draws who is best suited over them.
     std::string facts; ///< The others, as explainCommand()'s.
+    std::string only;  ///< Names of variables and kinds of lights to draw. Empty: all.
 };
 int plotCommand(const PlotOptions& options);
 int explainCommand(const std::string& rules, const std::string& facts);

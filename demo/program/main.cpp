@@ -309,7 +309,8 @@ int main(int argc, char** argv)
     auto* over = plot->add_option("--over", plotOptions.over, "A,B: two facts over which the best suited is drawn");
     plot->add_option("--facts", plotOptions.facts, "name=value,... of the other facts; what is not given is unknown")
         ->needs(over);
-    plot->add_option("--out", plotOptions.out, "HTML file")->capture_default_str();
+    plot->add_option("--only", plotOptions.only, "a,b,... draw these variables and kinds of lights; default: all");
+    plot->add_option("--out", plotOptions.out, "HTML file, or SVG where it is called so")->capture_default_str();
     plot->callback([&] { exitCode = plotCommand(plotOptions); });
     CLI::App* explain = app.add_subcommand("explain", "say what a rule base thinks of given facts, and why");
     explain->add_option("RULES", rules, rulesHelp())->required();

@@ -223,25 +223,66 @@ std::string SvgChart::svg() const
            "\">" + body_ + "</svg>\n";
 }
 
-std::string svgPicture(std::span<const std::pair<std::string, SvgChart>> charts)
+namespace {
+
+constexpr double kTitle = 30.0;                        // pixels, the line of a title
+constexpr double kPatch = 11.0, kEntryHeight = 16.0;   // of a legend's entry
+constexpr double kEntryLetter = 7.2, kEntryGap = 14.0; // on average, at 12 pixels
+
+/// In as many rows as it takes, beside `width`. \param height becomes theirs
+std::string svgLegend(const Legend& entries, double width, double& height)
 {
-    constexpr double kTitle = 30.0;
-    std::string body;
-    double width = 0.0, height = 0.0;
-    for (const auto& [title, chart] : charts) {
-        body += "<text class=\"title\"" + attribute("x", kLeft) + attribute("y", height + 20.0) + ">" + escaped(title) +
-                "</text><g transform=\"translate(0 " + fixed(height + kTitle, 0) + ")\">" + chart.body() + "</g>\n";
-        height += kTitle + chart.height();
-        width = std::max(width, chart.width());
+    std::string out;
+    double x = kLeft, y = 0.0;
+    for (const auto& [name, colour] : entries) {
+        const double room = kPatch + 5.0 + kEntryLetter * static_cast<double>(name.size());
+        if (x > kLeft && x + room > width - kRight) x = kLeft, y += kEntryHeight;
+        out += "<rect" + attribute("x", x) + attribute("y", y) + attribute("width", kPatch) +
+               attribute("height", kPatch) + " fill=\"" + hexOf(colour) + "\"/><text class=\"axis\"" +
+               attribute("x", x + kPatch + 5.0) + attribute("y", y + 10.0) + ">" + escaped(name) + "</text>";
+        x += room + kEntryGap;
     }
-    return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + fixed(width, 0) + " " + fixed(height, 0) +
+    height = entries.empty() ? 0.0 : y + kEntryHeight;
+    return out;
+}
+
+std::string moved(double x, double y, const std::string& body)
+{
+    return "<g transform=\"translate(" + fixed(x, 0) + " " + fixed(y, 0) + ")\">" + body + "</g>\n";
+}
+
+} // namespace
+
+std::string svgPicture(std::span<const Drawing> drawings, size_t columns, std::string_view note)
+{
+    std::string body;
+    double width = 0.0, top = 0.0, bottom = 0.0, left = 0.0;
+    for (size_t i = 0; i < drawings.size(); ++i) {
+        const auto& [title, chart, entries] = drawings[i];
+        if (i % columns == 0) top = bottom, left = 0.0;
+        double legendHeight = 0.0;
+        const std::string patches = svgLegend(entries, chart.width(), legendHeight);
+        body += "<text class=\"title\"" + attribute("x", left + kLeft) + attribute("y", top + 20.0) + ">" +
+                escaped(title) + "</text>" + moved(left, top + kTitle, patches) +
+                moved(left, top + kTitle + legendHeight, chart.body());
+        left += chart.width();
+        width = std::max(width, left);
+        bottom = std::max(bottom, top + kTitle + legendHeight + chart.height());
+    }
+    if (!note.empty()) {
+        body += "<text class=\"axis\"" + attribute("x", kLeft) + attribute("y", bottom + 12.0) + ">" + escaped(note) +
+                "</text>\n";
+        bottom += kTitle;
+    }
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + fixed(width, 0) + " " + fixed(bottom, 0) +
            "\" font-family=\"sans-serif\"><style>.grid{stroke:#e3e6ea;fill:none}.tick{font-size:11px;fill:#59636e}"
-           ".axis{font-size:12px;fill:#1c2128}.title{font-size:14px;font-weight:bold;fill:#1c2128}</style>"
+           ".axis{font-size:12px;fill:#1c2128}.title{font-size:14px;font-weight:bold;fill:#1c2128}"
+           "rect{shape-rendering:crispEdges}</style>"
            "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n" +
            body + "</svg>\n";
 }
 
-std::string legend(std::span<const std::pair<std::string, Rgb8>> entries)
+std::string legend(std::span<const Legend::value_type> entries)
 {
     std::string out = "<p class=\"legend\">";
     for (const auto& [name, colour] : entries)

@@ -62,10 +62,19 @@ private:
 /// Round numbers between the ends of the axis: some five, or the powers of ten and their double and fivefold.
 std::vector<double> ticks(const Axis& axis);
 
-/// Charts below one another under their titles, as a file of its own.
-std::string svgPicture(std::span<const std::pair<std::string, SvgChart>> charts);
+using Legend = std::vector<std::pair<std::string, Rgb8>>;
 
-/// A coloured patch with a word for each.
-std::string legend(std::span<const std::pair<std::string, Rgb8>> entries);
+/// A chart with what stands above it.
+struct Drawing {
+    std::string title;
+    SvgChart chart;
+    Legend entries; ///< A coloured patch with a word for each.
+};
+
+/// An SVG file, in rows of so many drawings, with a note below.
+std::string svgPicture(std::span<const Drawing> drawings, size_t columns = 1, std::string_view note = {});
+
+/// As HTML.
+std::string legend(std::span<const Legend::value_type> entries);
 
 } // namespace gnomon::demo

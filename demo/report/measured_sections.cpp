@@ -66,17 +66,19 @@ SvgChart scatter(const std::vector<Benched::Row>& rows)
 }
 
 /// A chart for each scene and kind of error.
-std::vector<std::pair<std::string, SvgChart>> errorCharts(const Benched& benched)
+std::vector<Drawing> errorCharts(const Benched& benched)
 {
     std::set<std::pair<std::string, bool>> kinds;
     for (const Benched::Row& row : benched.rows)
         if (row.method != "none") kinds.emplace(row.scene, row.soft);
-    std::vector<std::pair<std::string, SvgChart>> charts;
+    std::vector<Drawing> charts;
     for (const auto& [scene, soft] : kinds) {
         std::vector<Benched::Row> rows;
         for (const Benched::Row& row : benched.rows)
             if (row.scene == scene && row.soft == soft && row.method != "none") rows.push_back(row);
-        charts.emplace_back(scene + (soft ? ", soft lights" : "") + ", on " + rows.front().device, scatter(rows));
+        charts.push_back({.title = scene + (soft ? ", soft lights" : "") + ", on " + rows.front().device,
+                          .chart = scatter(rows),
+                          .entries = {}}); // names stand beside the dots
     }
     return charts;
 }
@@ -98,8 +100,8 @@ std::string savedSection(const Compared& compared)
 std::string errorSection(const Benched& benched)
 {
     std::string out;
-    for (const auto& [title, chart] : errorCharts(benched))
-        out += "<h3>" + escaped(title) + "</h3>" + chart.svg();
+    for (const Drawing& drawing : errorCharts(benched))
+        out += "<h3>" + escaped(drawing.title) + "</h3>" + drawing.chart.svg();
     if (out.empty()) return {};
     return "<section><h2>Error against time</h2>\n" + out +
            "<p class=\"note\">Errors against ray_traced in the same frame, over pixels that face the light; what has "

@@ -17,7 +17,7 @@ th{font-weight:600}td{font-variant-numeric:tabular-nums}
 pre{background:#f4f5f7;padding:8px 10px;overflow-x:auto;font-size:13px;white-space:pre-wrap}
 svg{display:block;width:100%;height:auto}
 .grid{stroke:#e3e6ea;fill:none}.tick{font-size:11px;fill:#59636e}.axis{font-size:12px;fill:#1c2128}
-.row{font-size:9px;fill:#1c2128}
+.row{font-size:9px;fill:#1c2128}svg rect{shape-rendering:crispEdges}
 .tip{fill:#000;fill-opacity:0}.tip:hover{fill-opacity:.08}rect:hover{stroke:#000;stroke-width:.6}
 .legend span{margin-right:14px;white-space:nowrap}
 .legend i{display:inline-block;width:13px;height:13px;margin-right:5px;vertical-align:-2px;border-radius:2px}

@@ -2,17 +2,66 @@
 #include <doctest/doctest.h>
 
 #include <cstdlib>
+#include <sstream>
 
 #include "cli_fixture.hpp"
 #include "demo/io/file.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/gnuplot.hpp"
+#include "demo/program/pictures.hpp"
 #include "demo/program/session.hpp"
 #include "demo/program/setting_choices.hpp"
 #include "demo/scene/yaml_tree.hpp"
 #include "gnomon/gnomon.h"
 
 namespace gnomon::demo {
+
+namespace {
+
+/// The cells of a chart in an SVG text, found by the numbers at its axes.
+class SvgSurface {
+public:
+    explicit SvgSurface(const std::string& text) : text_(text) {}
+
+    /// Of the box drawn last over a place; black: of none.
+    Rgb8 colourAt(double x, double y) const
+    {
+        const double left = place("middle", "x", x), top = place("end", "y", y) - 4.0; // numbers stand 4 pixels below
+        Rgb8 found{};
+        for (size_t at = text_.find("<rect fill="); at != std::string::npos; at = text_.find("<rect fill=", at + 1)) {
+            const double x0 = attribute(at, "x"), y0 = attribute(at, "y");
+            if (left < x0 || left >= x0 + attribute(at, "width") || top < y0 || top >= y0 + attribute(at, "height"))
+                continue;
+            const unsigned long hex = std::stoul(text_.substr(text_.find('#', at) + 1, 6), nullptr, 16);
+            found = {uint8_t(hex >> 16), uint8_t(hex >> 8), uint8_t(hex)};
+        }
+        return found;
+    }
+
+private:
+    double attribute(size_t element, const std::string& name) const
+    {
+        const size_t at = text_.find(" " + name + "=\"", element);
+        return std::stod(text_.substr(at + name.size() + 3));
+    }
+
+    /// Of a number along the axis whose numbers have this anchor: straight between the first one and the last.
+    double place(const std::string& anchor, const char* name, double value) const
+    {
+        std::vector<std::pair<double, double>> numbers;
+        const std::string tick = "<text class=\"tick\" text-anchor=\"" + anchor + "\"";
+        for (size_t at = text_.find(tick); at != std::string::npos; at = text_.find(tick, at + 1))
+            numbers.emplace_back(std::stod(text_.substr(text_.find('>', at) + 1)), attribute(at, name));
+        REQUIRE(numbers.size() > 1);
+        const auto [v0, p0] = numbers.front();
+        const auto [v1, p1] = numbers.back();
+        return p0 + (value - v0) / (v1 - v0) * (p1 - p0);
+    }
+
+    std::string text_;
+};
+
+} // namespace
 
 TEST_CASE("calibrate takes what a check reads with a check alone, and the seconds without one")
 {
@@ -91,6 +140,45 @@ TEST_CASE("plot draws every variable, and over two facts the winners that explai
         CHECK_MESSAGE(gnomonProgram(std::string("plot default --out ") + file + " " + bad).output.find("--over") !=
                           std::string::npos,
                       bad);
+}
+
+TEST_CASE(
+    "an SVG plot has the winner's colour, as pale as it is suited, in the cell of the facts that explain is given")
+{
+    const Folder folder("plot_svg");
+    const std::string rules = (folder.path / "two.yaml").string(), file = (folder.path / "two.svg").string();
+    std::ofstream(rules) << R"(version: 1
+name: two
+variables:
+  viewerDistance: {universe: [0, 90], unit: m, terms: {near: [-.inf, -.inf, 10, 30], far: [10, 30, .inf, .inf]}}
+  screenShare: {universe: [0, 1], unit: share, terms: {little: [-.inf, -.inf, 0.2, 0.4], much: [0.2, 0.4, .inf, .inf]}}
+rules:
+  - {id: a, rule: if viewerDistance is near and screenShare is much then stencil_volume is favoured}
+  - {id: b, rule: if viewerDistance is near and screenShare is little then pcss is acceptable}
+  - {id: c, rule: if viewerDistance is far then shadow_map is favoured}
+)";
+    const Ran ran = gnomonProgram("plot '" + rules + "' --over viewerDistance,screenShare --out '" + file + "'");
+    REQUIRE_MESSAGE(ran.exitCode == 0, ran.output);
+    const std::string text = valueOf(readText(file));
+    CHECK(text.find("<html") == std::string::npos);
+    const SvgSurface surface(text.substr(text.find(">Best suited, all methods<")));
+    for (const auto& [x, y] : {std::pair(4.0, 0.8), std::pair(4.0, 0.1), std::pair(22.0, 0.8), std::pair(80.0, 0.5)}) {
+        CAPTURE(x);
+        CAPTURE(y);
+        const Ran explained = gnomonProgram("explain '" + rules + "' --facts viewerDistance=" + std::to_string(x) +
+                                            ",screenShare=" + std::to_string(y));
+        std::istringstream first(explained.output);
+        std::string winner;
+        double suitability = 0.0;
+        first >> winner >> suitability;
+        const Rgb8 full = methodColour(winner);
+        const Rgb8 cell = surface.colourAt(x, y);
+        for (const auto channel : {&Rgb8::r, &Rgb8::g, &Rgb8::b})
+            CHECK(255 - cell.*channel ==
+                  doctest::Approx((0.25 + 0.75 * suitability) * (255 - full.*channel)).scale(255).epsilon(0.03));
+        CHECK_MESSAGE(text.find("fill=\"" + hexOf(full) + "\"/><text class=\"axis\"") != std::string::npos, winner);
+    }
+    CHECK(text.find(">near</text>") != std::string::npos); // in the legend of the terms
 }
 
 TEST_CASE("lint counts what was found while reading, too")
