@@ -1,7 +1,9 @@
 // `gnomon publish`: measures every method on one light of each kind in each scene, and writes a page of it.
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <ctime>
+#include <map>
 
 #include "demo/host/pin_thread.hpp"
 #include "demo/io/file.hpp"
@@ -24,18 +26,48 @@ std::string today()
     return {text, std::strftime(text, sizeof text, "%F", &day)};
 }
 
-/// The scene with one light: the first of the kind that is there in all frames that are measured. Nothing: it has none.
-std::optional<Scene> withOneLight(const Scene& scene, LightKind kind, uint32_t repeat)
+/// Scenes of views/ whose lights have an extent, beside the shipped ones, whose lights are points.
+constexpr const char* kSoftScenes[] = {"views/leaf_shade", "views/soft_table", "views/still_life"};
+
+constexpr uint8_t kHalfLit = 128; ///< Of 255.
+
+/// "spot", "soft spot" of a source with a radius, or "rectangle".
+std::string kindOf(const Light& light)
 {
+    if (light.rectangle != glm::vec2(0.0f)) return "rectangle";
+    return (light.radius > 0.0f ? "soft " : "") + std::string(nameOf(light.kind));
+}
+
+/// Of each kind the light with the largest shadow in the picture, of those that are there in all frames that are
+/// measured. A kind whose lights throw none is left out: nothing could be wrong there. By kind.
+std::map<std::string, std::string> lightsToMeasure(Device& device, const Scene& scene, const PublishOptions& options)
+{
+    Scene hard = scene; // the truth of soft lights takes a thousand rays a pixel, and says no more here
+    for (Light& light : hard.lights)
+        light.radius = 0.0f, light.rectangle = glm::vec2(0.0f);
+    const std::optional<Truth> truth =
+        measureTruth(device, hard, valueOf(parseSize(options.size)), frameTime(scene, options.repeat));
+    if (!truth) throw HostError("this build has no ray tracing to hold methods against");
+    std::map<std::string, std::pair<size_t, std::string>> best; // pixels of shadow, and whose they are
     for (const Light& light : scene.lights) {
         const auto isThere = [&](uint32_t frame) { return lightAt(light, frameTime(scene, frame)).present; };
-        if (light.kind != kind || !isThere(0) || !isThere(kWarmFrames + repeat - 1))
-            continue; // one comes and goes once
-        Scene one = scene;
-        keepLights(one, {light.name});
-        return one;
+        if (!isThere(0) || !isThere(kWarmFrames + options.repeat - 1)) continue; // one comes and goes once
+        auto& [most, name] = best[kindOf(light)];
+        const std::vector<uint8_t>* counted = nullptr;
+        const Image8* visibility = truth->find(light.name, &counted);
+        size_t dark = 0;
+        for (size_t i = 0; visibility && i < counted->size(); ++i)
+            dark += (*counted)[i] != 0 && visibility->texels[i * visibility->channels] < kHalfLit;
+        if (dark > most) most = dark, name = light.name;
     }
-    return std::nullopt;
+    std::map<std::string, std::string> chosen;
+    for (const auto& [kind, light] : best)
+        if (!light.second.empty())
+            chosen.emplace(kind, light.second);
+        else
+            std::fprintf(stderr, "note: %s: no %s light throws a shadow into the picture\n", scene.name.c_str(),
+                         kind.c_str());
+    return chosen;
 }
 
 /// The table of a measurement, which grows row by row.
@@ -45,11 +77,11 @@ public:
         : device_(device), file_(std::move(file)), date_(today()), csv_(columns())
     {
     }
-    void add(const BenchRow& row, LightKind kind)
+    void add(const BenchRow& row, const std::string& kind)
     {
         printRow(row);
         addCells(csv_, row, device_);
-        csv_.cell(nameOf(kind)).cell(date_).endRow();
+        csv_.cell(kind).cell(date_).endRow();
         ++rows_;
         expect(csv_.save(file_)); // what ends the command later shall not take it along
     }
@@ -70,7 +102,8 @@ private:
     uint32_t rows_ = 0;
 };
 
-void measureLight(Device& device, const Scene& scene, LightKind kind, const BenchOptions& options, Table& table)
+void measureLight(Device& device, const Scene& scene, const std::string& kind, const BenchOptions& options,
+                  Table& table)
 {
     static const std::vector<SettingChoice> none;
     const std::vector<std::string> wanted = parseNames(options.methods);
@@ -102,9 +135,12 @@ void measure(const PublishOptions& options, const std::vector<std::string>& name
     Table table(*device, file);
     Progress progress(static_cast<uint32_t>(scenes.size()));
     for (size_t i = 0; i < scenes.size(); ++i) {
-        for (const LightKind kind : {LightKind::Directional, LightKind::Spot, LightKind::Point})
-            if (const std::optional<Scene> one = withOneLight(scenes[i], kind, options.repeat))
-                measureLight(*device, *one, kind, bench, table);
+        for (const auto& [kind, light] : lightsToMeasure(*device, scenes[i], options)) {
+            std::printf("%s: %s: %s\n", scenes[i].name.c_str(), kind.c_str(), light.c_str());
+            Scene one = scenes[i];
+            keepLights(one, {light});
+            measureLight(*device, one, kind, bench, table);
+        }
         progress.show(static_cast<uint32_t>(i + 1), names[i]);
     }
     if (table.rows() == 0) throw HostError("none of the methods serves a light of these scenes: nothing is written");
@@ -129,6 +165,7 @@ std::string commandOf(const PublishOptions& options)
 int publishCommand(const PublishOptions& options)
 {
     namespace fs = std::filesystem;
+    const auto start = std::chrono::steady_clock::now();
     requireScenes(options.scenes);
     requireMethods(parseNames(options.methods));
     (void)valueOf(parseSize(options.size));
@@ -136,9 +173,11 @@ int publishCommand(const PublishOptions& options)
     std::vector<fs::path> tables(options.from.begin(), options.from.end());
     if (tables.empty()) {
         std::vector<std::string> scenes = options.scenes;
-        if (scenes.empty())
+        if (scenes.empty()) {
             for (const ShippedScene& shipped : shippedScenes())
                 scenes.push_back(shipped.name);
+            scenes.insert(scenes.end(), std::begin(kSoftScenes), std::end(kSoftScenes));
+        }
         tables.push_back(fs::path(options.out).replace_extension(".csv"));
         requireWritable(tables.front());
         measure(options, scenes, tables.front());
@@ -153,8 +192,11 @@ int publishCommand(const PublishOptions& options)
     for (const std::string& note : all.notes)
         std::fprintf(stderr, "note: %s\n", note.c_str());
     if (all.rows.empty()) throw HostError("no table has a whole row: no page is written");
-    expect(writeFile(options.out, comparisonPage(all, commandOf(options), links)));
-    std::printf("%s: %zu measurements\n", options.out.c_str(), all.rows.size());
+    const std::string text = comparisonPage(all, commandOf(options), links);
+    expect(writeFile(options.out, text));
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    std::printf("%s: %zu measurements, %zu bytes, in %.0f s\n", options.out.c_str(), all.rows.size(), text.size(),
+                taken.count());
     return 0;
 }
 

@@ -12,8 +12,8 @@ namespace gnomon::demo {
 namespace {
 
 constexpr std::string_view kColumns[] = {
-    "scene",  "method", "map",   "increment_ms_min", "wrong_pct",      "memory_mib",
-    "device", "driver", "width", "height",           kLightKindColumn, kDateColumn};
+    "scene",  "method", "map",    "increment_ms_min", "wrong_pct", "memory_mib",   "device",
+    "driver", "width",  "height", kLightKindColumn,   kDateColumn, "penumbra_rmse"};
 
 /// Least frames with shadows were up to 0.8 ms shorter than without (lavapipe, comparison of 2026-11-28): what takes
 /// less than this, ms, is told as equal.
@@ -33,19 +33,29 @@ private:
     std::vector<std::string> all_;
 };
 
+/// A text in a table's cell.
+std::string inCell(const std::string& text)
+{
+    std::string out;
+    for (const char c : text)
+        out += c == '|' ? std::string("\\|") : std::string(1, c);
+    return out;
+}
+
 std::string linked(const std::string& method)
 {
     for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
         if (method == algorithm.entry->name)
             return "[`" + method + "`](../algorithms/" + algorithm.family + "/" + method + ".md)";
-    return "`" + method + "`";
+    return std::string("`").append(inCell(method)).append("`");
 }
 
 std::string cellOf(const Compilation::Row& row, bool onFront)
 {
     const std::string ms = row.measured.ms < kLeastMs ? "< " + fixed(kLeastMs, 1) : fixed(row.measured.ms, 2);
     std::string text = ms + " ms, " + fixed(row.memoryMib, 1) + " MiB";
-    if (std::isfinite(row.measured.error)) text += ", " + fixed(row.measured.error, 4) + " %";
+    if (std::isfinite(row.measured.error))
+        text += ", " + fixed(row.measured.error, 4) + (row.measured.soft ? "" : " %");
     return onFront ? "**" + text + "**" : text;
 }
 
@@ -80,7 +90,7 @@ std::string table(const std::vector<const Compilation::Row*>& rows)
     }
     std::string out = "| method |", rule = "| --- |";
     for (const std::string& scene : scenes) {
-        out += " " + scene + " |";
+        out.append(" ").append(inCell(scene)).append(" |");
         rule += " --- |";
     }
     out += "\n" + rule + "\n";
@@ -115,6 +125,8 @@ Status readCompilation(const std::filesystem::path& file, Compilation& into)
                              .kind = cells[10],
                              .where = cells[6] + ", " + cells[7] + ", " + cells[8] + "x" + cells[9] + ", " + cells[11],
                              .memoryMib = numberIn(cells[5])};
+        if (const double rmse = numberIn(cells[12]); std::isfinite(rmse))
+            row.measured.soft = true, row.measured.error = rmse;
         if (std::isfinite(row.measured.ms)) into.rows.push_back(std::move(row));
     };
     Outcome<std::vector<std::string>> notes = readCsv(file, kColumns, visit);
@@ -132,13 +144,15 @@ std::string comparisonPage(const Compilation& all, std::string_view command, con
     for (const std::string& table : tables)
         out += (&table == tables.data() ? " [`" : ", [`") + table + "`](" + table + ")";
     out += ".\n\n"
-           "- One light casts shadows: the first of its kind in the scene that is there in all frames.\n"
+           "- One light casts shadows: of its kind the one with the largest shadow in the picture.\n"
            "- *ms*: what a frame takes more with shadows than without, by the fastest of both, which alternate. On a "
            "software\n  device the processor does the GPU's work, and what else it does makes times of a millisecond "
            "uncertain; less\n  than 0.1 ms is told as that.\n"
            "- *MiB*: device memory that the runtime holds.\n"
-           "- *%*: light-facing pixels that differ from `ray_traced`. Lights are points, which soft methods are not "
-           "made for.\n"
+           "- *%*: light-facing pixels that differ from `ray_traced`. These lights are points, which soft methods are "
+           "not\n  made for.\n"
+           "- Of *soft* and *rectangle* lights the last number is the RMSE of visibility in penumbrae, against 1 024 "
+           "rays a\n  pixel.\n"
            "- **bold**: no other method is faster and as close to the truth, or closer and as fast.\n"
            "- Maps have the sides that the picture asks for.\n";
     Names places;

@@ -7,6 +7,8 @@
 
 #include "cli_fixture.hpp"
 #include "demo/io/csv.hpp"
+#include "demo/io/file.hpp"
+#include "demo/io/number.hpp"
 #include "demo/io/pfm.hpp"
 #include "demo/io/png.hpp"
 #include "demo/program/pictures.hpp"
@@ -231,6 +233,51 @@ TEST_CASE(
     const std::vector<std::string> second = lines(folder.path / "page.md");
     CHECK(std::equal(page.rbegin(), page.rbegin() + 10, second.rbegin()));
     CHECK(page.size() == second.size());
+}
+
+TEST_CASE("publish takes the light with a shadow in view, and errors in penumbrae where the light has an extent")
+{
+    const Folder folder("publish_lights");
+    std::ofstream(folder.path / "lit.yaml") << R"(name: lit
+size: [96, 54]
+frames: 8
+meshes:
+  floor: {box: {size: [12, 0.2, 12]}}
+  block: {box: {size: [1, 1.5, 1]}}
+instances:
+  - {mesh: floor, at: [0, -0.1, 0]}
+  - {mesh: block, at: [2, 0.75, 0]}
+camera:
+  - {eye: [0, 5, 8], target: [0, 0, 0]}
+lights:
+  - {name: idle, kind: spot, at: [-3, 4, 0], aim: [-3, 0, 0], cone: {outer: 20}, range: 10}
+  - {name: casts, kind: spot, at: [3, 5, 0], aim: [2, 0, 0], cone: {outer: 40}, range: 10}
+  - {name: bulb, kind: point, at: [-4, 1, 4], range: 2}
+  - {name: window, kind: spot, at: [3, 5, 1], aim: [2, 0, 0], cone: {outer: 40}, range: 10,
+     rectangle: {width: 0.8, height: 0.4}}
+)";
+    const std::string table = (folder.path / "page.csv").string();
+    const Ran ran = gnomonProgram("publish '" + (folder.path / "lit.yaml").string() +
+                                  "' --methods shadow_map,ray_traced --size 96x54 --repeat 3 --out '" +
+                                  (folder.path / "page.md").string() + "'");
+    CAPTURE(ran.output);
+    REQUIRE(ran.exitCode == 0);
+    CHECK(ran.output.find("lit: spot: casts\n") != std::string::npos);
+    CHECK(ran.output.find("lit: no point light throws a shadow") != std::string::npos);
+    CHECK(ran.output.find("page.md: 4 measurements, ") != std::string::npos);
+    const std::string text = valueOf(readText(folder.path / "page.md"));
+    CHECK(ran.output.find(", " + std::to_string(text.size()) + " bytes, in ") != std::string::npos);
+    CHECK(text.find("### rectangle") != std::string::npos);
+    double rmse = 0.0; // of hard edges in a penumbra
+    for (const std::string& line : lines(table)) {
+        std::vector<std::string> cells;
+        REQUIRE(splitCsvLine(line, cells));
+        if (cells[1] == "shadow_map" && cells[30] == "rectangle") rmse = std::stod(cells[22]);
+    }
+    CHECK(rmse > 0.1);
+    std::string shown;
+    appendFixed(shown, rmse, 4);
+    CHECK_MESSAGE(text.find(" MiB, " + shown) != std::string::npos, text);
 }
 
 TEST_CASE("a run that fails leaves nothing of an earlier one in its folders, and everything else")

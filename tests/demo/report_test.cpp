@@ -365,24 +365,25 @@ TEST_CASE("a comparison has a table for each place and kind of light, and marks 
 {
     const Folder folder;
     folder.write("a.csv", "scene,method,map,increment_ms_min,wrong_pct,memory_mib,device,driver,width,height,"
-                          "light_kind,date\n"
-                          "room,ray_traced,,9,0,2,gpu,7,64,36,spot,2026-01-02\n"
-                          "room,shadow_map,512,3,0.5,4,gpu,7,64,36,spot,2026-01-02\n"
-                          "room,pcf_hybrid,512,4,0.5,6,gpu,7,64,36,spot,2026-01-02\n" // slower, no better
-                          "room,plug-in,,5,,6,gpu,7,64,36,spot,2026-01-02\n"          // no truth
-                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,spot,2026-01-02\n"
-                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,point,2026-01-02\n"
-                          "room,broken,,,0,2,gpu,7,64,36,spot,2026-01-02\n"); // no time
+                          "light_kind,date,penumbra_rmse\n"
+                          "room,ray_traced,,9,0,2,gpu,7,64,36,spot,2026-01-02,\n"
+                          "room,shadow_map,512,3,0.5,4,gpu,7,64,36,spot,2026-01-02,\n"
+                          "room,pcf_hybrid,512,4,0.5,6,gpu,7,64,36,spot,2026-01-02,\n" // slower, no better
+                          "room,plug-in,,5,,6,gpu,7,64,36,spot,2026-01-02,\n"          // no truth
+                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,spot,2026-01-02,\n"
+                          "bunny,ray_traced,,1,0,2,gpu,7,64,36,point,2026-01-02,\n"
+                          "a|b,plug|in,,1,7,2,gpu,7,64,36,soft spot,2026-01-02,0.0625\n"
+                          "room,broken,,,0,2,gpu,7,64,36,spot,2026-01-02,\n"); // no time
     folder.write("b.csv", "scene,method,map,increment_ms_min,wrong_pct,memory_mib,device,driver,width,height,"
-                          "light_kind,date\n"
-                          "room,ray_traced,,2,0,2,other,7,64,36,spot,2026-01-02\n"
-                          "room,tile_shafts,,-0.4,0,2,other,7,64,36,spot,2026-01-02\n" // by the clock alone
-                          "room,pcf_hybrid,,0.05,0,2,other,7,64,36,spot,2026-01-02\n"
+                          "light_kind,date,penumbra_rmse\n"
+                          "room,ray_traced,,2,0,2,other,7,64,36,spot,2026-01-02,\n"
+                          "room,tile_shafts,,-0.4,0,2,other,7,64,36,spot,2026-01-02,\n" // by the clock alone
+                          "room,pcf_hybrid,,0.05,0,2,other,7,64,36,spot,2026-01-02,\n"
                           "room,ray_tr");
     Compilation all;
     REQUIRE(readCompilation(folder.path / "a.csv", all));
     REQUIRE(readCompilation(folder.path / "b.csv", all));
-    CHECK(all.rows.size() == 9);
+    CHECK(all.rows.size() == 10);
     CHECK(all.notes.size() == 1); // the row that is cut off
     CHECK_FALSE(readCompilation(folder.path / "frames.csv", all));
 
@@ -406,6 +407,8 @@ TEST_CASE("a comparison has a table for each place and kind of light, and marks 
     CHECK(count("Bold in most scenes: `ray_traced` in 2, `shadow_map` in 1 of 2.") == 1);
     CHECK(count("| **< 0.1 ms, 2.0 MiB, 0.0000 %** |\n") == 2);
     CHECK(count("| 2.00 ms, 2.0 MiB, 0.0000 % |\n") == 1);
+    CHECK(count("\n### soft spot\n\n| method | a\\|b |\n") == 1);
+    CHECK(count("| `plug\\|in` | **1.00 ms, 2.0 MiB, 0.0625** |\n") == 1);
     CHECK(count("broken") == 0);
     CHECK(count("[`a.csv`](a.csv), [`b.csv`](b.csv)") == 1);
 }
