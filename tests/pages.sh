@@ -2,8 +2,8 @@
 # Holds pages and header comments against what they speak of: pages.sh SOURCE_FOLDER
 #
 # Functions of the C API that are named have to be declared, links have to lead to a file, tables need a header row,
-# tests have to be there, and their paths have to be those of a preset. Prose keeps within 120 columns, and the example in
-# the README has to compile.
+# tests have to be there, and their paths have to be those of a preset. Prose keeps within 120 columns, the README within
+# 160 lines, and the example in it has to compile.
 set -uo pipefail
 cd "$1" || exit 1
 folders=(algorithms demo docs rules runtime tests)
@@ -60,6 +60,10 @@ while read -r where; do
 done < <(LC_ALL=C awk 'FNR == 1 { code = 0 }
                        /^ *```/ { code = !code }
                        !code && !/^\|/ { gsub(/[\200-\277]/, ""); if (length > 120) print FILENAME ":" FNR }' "${pages[@]}")
+
+# The first page is read at a stretch.
+lines="$(wc -l <README.md)"
+[ "$lines" -le 160 ] || complain "README.md: $lines lines, more than 160"
 
 # What the example leaves to the reader are parameters here.
 example="$(awk '/^```c$/ { inside = 1; next } /^```$/ { inside = 0 } inside' README.md)"
