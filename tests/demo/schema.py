@@ -111,6 +111,7 @@ for kind, name in SCHEMAS.items():
 
 files = [("rules", source / "rules", file) for file in sorted((source / "rules").glob("*.yaml"))]
 files += [("scene", source / "demo/scenes", file) for file in sorted((source / "demo/scenes").rglob("*.yaml"))]
+files += [("scene", source / "demo/pictures", file) for file in sorted((source / "demo/pictures").glob("*.yaml"))]
 seen = set()
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
