@@ -343,7 +343,10 @@ TEST_CASE("sixty-four methods keep apart in lanes and legend")
     std::vector<std::string> names;
     for (const gnomon::BuiltinAlgorithm& algorithm : gnomon::builtinRegistry().algorithms)
         if (names.size() < 64) names.emplace_back(algorithm.entry->name);
-    REQUIRE(names.size() > 20); // a build without optional libraries has fewer
+    const size_t builtIn = names.size();
+    REQUIRE(builtIn > 20);
+    while (names.size() < 64)
+        names.push_back("plug_in_" + std::to_string(names.size()));
     for (const std::string& name : names)
         lights += lightLine(0, "of " + name, name, 5.0);
     folder.write("frames.csv", kFramesHead + frameLine(0, "10", int(names.size())));
@@ -354,11 +357,12 @@ TEST_CASE("sixty-four methods keep apart in lanes and legend")
     std::set<std::string> colours;
     for (const std::string& name : names) {
         const std::string colour = hexOf(methodColour(name));
-        colours.insert(colour);
+        if (&name - names.data() < std::ptrdiff_t(builtIn))
+            colours.insert(colour); // those of plug-ins follow from their letters
         CHECK_MESSAGE(text.find("background:" + colour + "\"></i>" + name + "</span>") != std::string::npos, name);
         CHECK_MESSAGE(laneFill(text, name) == colour, name);
     }
-    CHECK(colours.size() == names.size());
+    CHECK(colours.size() == builtIn);
 }
 
 TEST_CASE("a comparison has a table for each place and kind of light, and marks what nothing beats in time and error")
