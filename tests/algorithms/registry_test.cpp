@@ -86,3 +86,39 @@ TEST_CASE("every algorithm has its files, a source, sound traits, and a page tha
         }
     }
 }
+
+TEST_CASE("the table of the theses' systems names every method with a thesis as its source, and none that there is not")
+{
+    const std::string page = textOf(kFolder.parent_path() / "docs" / "theses.md");
+    std::set<std::string> known;
+    for (const auto& [entry, family] : builtinRegistry().algorithms) {
+        known.insert(entry->name);
+        const std::string source = entry->source;
+        for (const std::string thesis : {"Rautenbach", "Moderno", "Morais", "Navratil", "Macedo"}) {
+            if (source.find(thesis) == std::string::npos) continue;
+            CAPTURE(source);
+            const std::size_t begin = page.find("\n## " + thesis);
+            REQUIRE(begin != std::string::npos);
+            const std::string part = page.substr(begin, page.find("\n## ", begin + 1) - begin);
+            const std::string link = "[`" + std::string(entry->name) + "`](../algorithms/" + family + "/";
+            CHECK_MESSAGE(part.find(link) != std::string::npos, link);
+        }
+    }
+    for (const AbsentAlgorithm& algorithm : builtinRegistry().absent)
+        known.insert(std::string(algorithm.name));
+    const std::regex module(R"(\[`([a-z_]+)`\]\(\.\./algorithms/([a-z]+)/([a-z_]+)\.md\))");
+    std::size_t links = 0;
+    for (std::sregex_iterator at(page.begin(), page.end(), module); at != std::sregex_iterator(); ++at, ++links) {
+        CHECK_MESSAGE(known.contains((*at)[1]), (*at)[1]);
+        CHECK((*at)[1] == (*at)[3]);
+    }
+    CHECK(links > known.size());
+    // A row is a system, a module, a test and a figure; none is empty.
+    const std::regex row(
+        R"(\n\|[^|\n]*[^|\s][^|\n]*\|[^|\n]*\]\([^|\n]*\|[^|\n]*`[a-z_]+`[^|\n]*\|[^|\n]*[^|\s][^|\n]*\|)");
+    const std::regex any(R"(\n\|(?! (system|---) ))");
+    const auto count = [&](const std::regex& what) {
+        return std::distance(std::sregex_iterator(page.begin(), page.end(), what), std::sregex_iterator());
+    };
+    CHECK(count(row) == count(any));
+}
