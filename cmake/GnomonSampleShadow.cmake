@@ -7,9 +7,11 @@ function(gnomon_write_sample_shadow out)
     while(text MATCHES "\n#include \"([a-z_./]*[.](h|glsl))\"\n")
         set(line "${CMAKE_MATCH_0}")
         get_filename_component(name "${CMAKE_MATCH_1}" NAME)
-        file(GLOB piece "${root}/shared/${name}" "${root}/maps/${name}" "${root}/omni/${name}")
+        file(GLOB piece "${root}/shared/${name}" "${root}/maps/${name}" "${root}/omni/${name}"
+            "${root}/revectorized/${name}")
         set(content "\n")
-        if(NOT piece IN_LIST read OR name STREQUAL "filter.glsl") # the one without a guard, of every kind of tap
+        # filter.glsl has no guard, since it is of every kind of tap; the first disc_points.glsl is not compiled.
+        if(NOT piece IN_LIST read OR name MATCHES "^(filter|disc_points)[.]glsl$")
             file(READ "${piece}" content)
             string(PREPEND content "\n")
         endif()
@@ -21,13 +23,17 @@ function(gnomon_write_sample_shadow out)
     set(defines "")
     set(undefines "")
     foreach(name CASCADE_PART MAP_GATHER MAP_TEXEL NO_DISC_KERNEL
-                 DEPTH_ROUNDING DISC_TAPS DiscTap KERNEL_BOX KERNEL_DISC KERNEL_NEAREST KERNEL_TENT MAX_FILTER_SIDE
-                 MAX_KERNEL_SIDE MAX_SAMPLE_PARTS MAX_WIDEN MapLookup Paraboloid PlanarDepth PlaneReceiver SAMPLE_CUBE
-                 SAMPLE_DISCS SAMPLE_MATRIX SAMPLE_NOTHING SAMPLE_PARTS SAMPLE_VECTORS SNAP_TEXELS ShadowSample Tap
-                 boxVisibility cascadeTap cubeClip cubeFaceOf discTap faceTap inCubeFace inParaboloid kernelVisibility
-                 mapDepth mapGather mapTexel matrixTap nearestKernel nearestVisibility paraboloidDirection
-                 paraboloidDisc paraboloidMap paraboloidOfMap planarDepth planarTap planeOf reaches receiverClip
-                 seenByLight tapAt tapDepth tentKernel texelExists texelLit)
+                 DEPTH_ROUNDING Blockers DISC_TAPS DiscCone DiscTap EDGE_HIGH_X EDGE_HIGH_Y EDGE_LOW_X EDGE_LOW_Y GOLDEN_COS GOLDEN_SIN
+                 KERNEL_BOX KERNEL_DISC KERNEL_NEAREST KERNEL_TENT LightCone MAX_FILTER_SIDE
+                 MAX_KERNEL_SIDE MAX_LINE_TAPS MAX_SAMPLE_PARTS MAX_SOFT_TAPS MAX_STAIR MAX_WIDEN MapLookup Paraboloid PlanarDepth PlaneReceiver
+                 REVECTORIZE_CONSERVATIVE REVECTORIZE_FILTERED REVECTORIZE_KERNEL REVECTORIZE_NONCONSERVATIVE
+                 SAMPLE_CUBE SAMPLE_DISCS SAMPLE_MATRIX SAMPLE_NOTHING SAMPLE_PARTS SAMPLE_VECTORS SEARCH_TAPS SNAP_TEXELS ShadowSample
+                 StairEnds Tap addBlocker blockersIn boxVisibility cascadeTap cubeClip cubeFaceOf disc discTap discVisibility faceTap firstDirection inCubeFace inParaboloid kernelVisibility
+                 lightCone mapDepth mapGather mapTexel matrixTap nearestKernel nearestVisibility nextDirection noSteps
+                 paraboloidDirection
+                 paraboloidDisc paraboloidMap paraboloidOfMap planarDepth placeOf planarTap planeOf pointRadius reaches
+                 receiverClip revectorizedAt revectorizedVisibility seenByLight shareAbove spreadAt stairEnds
+                 stairPlace stairPlaces tapAt tapDepth tentKernel texelDiffers texelEdges texelExists texelLit)
         if(NOT name MATCHES "^(CASCADE_PART|MAP_GATHER|MAP_TEXEL|NO_DISC_KERNEL)$")
             string(APPEND defines "#define ${name} gn_${name}\n")
         endif()

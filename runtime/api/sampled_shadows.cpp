@@ -34,6 +34,14 @@ Result<void> checkOrigin(const double* origin)
     return {};
 }
 
+/// Of the disc that the light's source shows: metres, of a sun over the distance. Its rim is below the horizon at pi
+/// / 2.
+float discRadius(const LightView& light)
+{
+    const float radius = light.constants.sourceRadius;
+    return light.type == GN_LIGHT_TYPE_DIRECTIONAL ? std::tan(std::fmin(radius, 1.5f)) : radius;
+}
+
 /// What hosts are told of each light of one of the frame's views. @param images what `out.maps` are known by
 /// @return how many have a map
 std::uint32_t describeLights(const Frame& frame, std::uint32_t viewIndex, PassGraph& graph, const double* origin,
@@ -55,6 +63,7 @@ std::uint32_t describeLights(const Frame& frame, std::uint32_t viewIndex, PassGr
         if (map == frame.maps.end()) continue;
         const PooledImage& image = graph.image(map->map.image);
         out.samples[light.layer] = inHostCoordinates(map->map.sample, view.camera, origin);
+        out.samples[light.layer].eye.w = discRadius(*light.light);
         out.maps[light.layer] = image.gpu.view;
         out.methods[light.layer] = map->method;
         images[light.layer] = ~image.serial; // never a revision

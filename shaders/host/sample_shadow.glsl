@@ -11,6 +11,11 @@
 //     ...
 //     float lit = gn_sampleShadow(i, position, normal); // 1 lit, 0 umbra, for GnViewFrame::pLights[i]
 //
+// Two more functions take the same arguments. They are there where what they need is defined before:
+//     #define GNOMON_SHADOW_REVECTORIZED 1 // gn_sampleShadowRevectorized(): `mode` of rbsm, 0 to 2
+//     #define GNOMON_SHADOW_SOFT 64        // gn_sampleShadowSoft(): taps of the filter, 128 at most
+//     #define GNOMON_SHADOW_PIXEL gl_FragCoord.xy // for it: turns its taps; without, they turn with the place in the map
+//
 // HLSL for glslang's front end: define GNOMON_HLSL first. Up to eight lights need nothing of the device. For more of
 // them define GNOMON_SHADOW_INDEXED, and enable shaderSampledImageArrayDynamicIndexing; where the index differs among
 // the pixels of a draw, define GNOMON_SHADOW_NONUNIFORM instead (shaderSampledImageArrayNonUniformIndexing; in GLSL
@@ -106,61 +111,149 @@ vec4 gnomonShadowGather(vec3 at)
 #include "../maps/cascade_tap.glsl"
 #include "../shared/paraboloid_tap.glsl"
 
+// A place as the light's map sees it; decided where there is nothing to look up.
+PlaneReceiver gnomonShadowReceiver(uint light, vec3 position, vec3 normal)
+{
+    PlaneReceiver r;
+    r.fromLight = r.normalWs = r.ray = vec3(0.0, 0.0, 0.0);
+    r.w = r.depth = r.offset = r.facing = 0.0;
+    r.visibility = 1.0;
+    r.decided = true;
+    if (light >= uint(GNOMON_SHADOW_LIGHTS)) return r;
+    gnomonShadowLight = light;
+    if (gnomonShadows[light].kind == SAMPLE_NOTHING) return r;
+    MapLookup look = gnomonShadows[light].map;
+    vec4 ahead = gnomonShadows[light].ahead;
+    r.ray = position - gnomonShadows[light].eye.xyz;
+    r.w = max(dot(ahead.xyz, r.ray) + ahead.w, 0.0);
+    r.fromLight = look.eyeFromLight.xyz + r.ray;
+    vec3 away = r.fromLight * look.positional + look.axisWs.xyz;
+    r.normalWs = dot(normal, normal) > 0.0 ? normal : away * (-1.0 / max(length(away), 1e-20));
+    return seenByLight(look, r, true);
+}
+
+// Where it is in a map of matrices: the finest part, and the next. clip: in the clip space of the first.
+CascadeTaps gnomonShadowTaps(MapLookup look, PlaneReceiver r, out vec4 clip)
+{
+    uint kind = gnomonShadows[gnomonShadowLight].kind;
+    uint face = cubeFaceOf(r.fromLight);
+    if (kind == SAMPLE_CUBE) clip = cubeClip(look, r.fromLight, face);
+    else clip = look.clipOfEye + GN_MUL(look.clipFromRay, vec4(r.ray, 0.0));
+    if (kind == SAMPLE_PARTS)
+        return cascadeTaps(look, r, clip, gnomonShadows[gnomonShadowLight].count,
+                           gnomonShadows[gnomonShadowLight].lastLayer, gnomonShadows[gnomonShadowLight].border);
+    CascadeTaps taps;
+    if (kind == SAMPLE_CUBE) taps.fine = faceTap(look, r, clip, face);
+    else taps.fine = matrixTap(look, r, clip);
+    taps.coarse = taps.fine;
+    taps.coarseShare = 0.0;
+    return taps;
+}
+
+// In one or two paraboloids.
+float gnomonShadowDisc(MapLookup look, PlaneReceiver r)
+{
+    uint light = gnomonShadowLight;
+    uint layer = dot(r.fromLight, gnomonShadows[light].parts[8].xyz) >= 0.0 ? 0u : 1u;
+    Paraboloid part;
+    part.rightWs = gnomonShadows[light].parts[4u * layer];
+    part.downWs = gnomonShadows[light].parts[4u * layer + 1u];
+    part.axisWs = gnomonShadows[light].parts[4u * layer + 2u];
+    part.poleWs = gnomonShadows[light].parts[4u * layer + 3u];
+    DiscTap at = discTap(look, part, r, float(layer));
+    return look.filterSide > 1.0 ? boxVisibility(at, at.at, look.filterSide) : nearestVisibility(at, at.at);
+}
+
 // Visibility in [0, 1]: 1 also where the light does not reach, or has no map; 0 also where the normal faces away.
 //   light     index into the view's pLights
 //   position  metres, in the coordinates that pOrigin of gnGetSampledShadows() is the zero of
 //   normal    unit, geometric; turn it to the light where both sides are lit. (0, 0, 0): of no surface, as of smoke
 float gn_sampleShadow(uint light, vec3 position, vec3 normal)
 {
-    if (light >= uint(GNOMON_SHADOW_LIGHTS)) return 1.0;
-    gnomonShadowLight = light;
-    uint kind = gnomonShadows[light].kind;
-    if (kind == SAMPLE_NOTHING) return 1.0;
-    MapLookup look = gnomonShadows[light].map;
-    vec4 ahead = gnomonShadows[light].ahead;
-
-    PlaneReceiver r;
-    r.depth = 0.0;
-    r.ray = position - gnomonShadows[light].eye.xyz;
-    r.w = max(dot(ahead.xyz, r.ray) + ahead.w, 0.0);
-    r.fromLight = look.eyeFromLight.xyz + r.ray;
-    vec3 away = r.fromLight * look.positional + look.axisWs.xyz;
-    r.normalWs = dot(normal, normal) > 0.0 ? normal : away * (-1.0 / max(length(away), 1e-20));
-    r.offset = r.facing = r.visibility = 0.0;
-    r.decided = false;
-    r = seenByLight(look, r, true);
+    PlaneReceiver r = gnomonShadowReceiver(light, position, normal);
     if (r.decided) return r.visibility;
-
-    if (kind == SAMPLE_DISCS) {
-        uint layer = dot(r.fromLight, gnomonShadows[light].parts[8].xyz) >= 0.0 ? 0u : 1u;
-        Paraboloid part;
-        part.rightWs = gnomonShadows[light].parts[4u * layer];
-        part.downWs = gnomonShadows[light].parts[4u * layer + 1u];
-        part.axisWs = gnomonShadows[light].parts[4u * layer + 2u];
-        part.poleWs = gnomonShadows[light].parts[4u * layer + 3u];
-        DiscTap disc = discTap(look, part, r, float(layer));
-        return look.filterSide > 1.0 ? boxVisibility(disc, disc.at, look.filterSide) : nearestVisibility(disc, disc.at);
-    }
-    Tap tap;
-    if (kind == SAMPLE_CUBE) {
-        uint face = cubeFaceOf(r.fromLight);
-        tap = faceTap(look, r, cubeClip(look, r.fromLight, face), face);
-    } else {
-        vec4 clip = look.clipOfEye + GN_MUL(look.clipFromRay, vec4(r.ray, 0.0));
-        uint count = gnomonShadows[light].count;
-        float lastLayer = gnomonShadows[light].lastLayer, border = gnomonShadows[light].border;
-        tap = matrixTap(look, r, clip);
-        if (kind == SAMPLE_PARTS) {
-            CascadeTaps taps = cascadeTaps(look, r, clip, count, lastLayer, border);
-            tap = taps.fine;
-            if (taps.coarseShare > 0.0 && look.filterSide > 1.0) {
-                float coarse = kernelVisibility(taps.coarse, taps.coarse.at, look.filterSide, look.kernel);
-                float fine = kernelVisibility(tap, tap.at, look.filterSide, look.kernel);
-                return fine + taps.coarseShare * (coarse - fine);
-            }
-        }
-    }
-    return look.filterSide > 1.0 ? kernelVisibility(tap, tap.at, look.filterSide, look.kernel)
-                                 : nearestVisibility(tap, tap.at);
+    MapLookup look = gnomonShadows[gnomonShadowLight].map;
+    if (gnomonShadows[gnomonShadowLight].kind == SAMPLE_DISCS) return gnomonShadowDisc(look, r);
+    vec4 clip;
+    CascadeTaps taps = gnomonShadowTaps(look, r, clip);
+    if (look.filterSide <= 1.0) return nearestVisibility(taps.fine, taps.fine.at);
+    float fine = kernelVisibility(taps.fine, taps.fine.at, look.filterSide, look.kernel);
+    if (taps.coarseShare <= 0.0) return fine;
+    float coarse = kernelVisibility(taps.coarse, taps.coarse.at, look.filterSide, look.kernel);
+    return fine + taps.coarseShare * (coarse - fine);
 }
+
+#ifdef GNOMON_SHADOW_REVECTORIZED
+#include "../revectorized/revectorize.h"
+
+// The same with the stairs of texels made lines, unfiltered: what `rbsm` shows with `longest` 16. Paraboloids are asked
+// as by gn_sampleShadow().
+float gn_sampleShadowRevectorized(uint light, vec3 position, vec3 normal)
+{
+    PlaneReceiver r = gnomonShadowReceiver(light, position, normal);
+    if (r.decided) return r.visibility;
+    MapLookup look = gnomonShadows[gnomonShadowLight].map;
+    if (gnomonShadows[gnomonShadowLight].kind == SAMPLE_DISCS) return gnomonShadowDisc(look, r);
+    vec4 clip;
+    CascadeTaps taps = gnomonShadowTaps(look, r, clip);
+    return revectorizedVisibility(taps.fine, taps.fine.at, uint(GNOMON_SHADOW_REVECTORIZED), 16u);
+}
+#endif
+
+#ifdef GNOMON_SHADOW_SOFT
+#include "../shared/blocker_search.h"
+#ifdef GNOMON_HLSL
+static DiscCone disc; // of gnomonShadowLight
+#else
+DiscCone disc; // of gnomonShadowLight
+#endif
+#include "../shared/light_cone.glsl"
+#include "../shared/disc_visibility.glsl"
+
+// Half width, in texels, of what may hide the disc. `pcss` has a pyramid of depths to find the nearest one with. Here
+// taps that lie the denser the nearer to the receiver's own place look for it.
+float gnomonShadowSpread(LightCone cone, float side, vec2 direction)
+{
+    float widest = min(spreadAt(cone, 0.0), side), nearest = cone.own;
+    for (int i = 0; i < SEARCH_TAPS; ++i) {
+        float part = (float(i) + 0.5) / float(SEARCH_TAPS);
+        float fromMiddle = widest * part * part * part;
+        vec2 texel = floor(placeOf(cone, direction, fromMiddle)) + 0.5;
+        float depth = mapTexel(cone.tap, texel);
+        bool blocks = min(tapDepth(cone.tap, texel), 1.0) > depth && fromMiddle <= spreadAt(cone, depth) + 1.0;
+        nearest = blocks ? min(nearest, depth) : nearest;
+        direction = nextDirection(direction);
+    }
+    return min(max(spreadAt(cone, nearest), 1.5), widest);
+}
+
+// The same with the penumbra of the light's radius, as `pcss` estimates it (Fernando 2005). A light without a radius,
+// cascades and paraboloids are asked as by gn_sampleShadow().
+float gn_sampleShadowSoft(uint light, vec3 position, vec3 normal)
+{
+    PlaneReceiver r = gnomonShadowReceiver(light, position, normal);
+    if (r.decided) return r.visibility;
+    MapLookup look = gnomonShadows[gnomonShadowLight].map;
+    uint kind = gnomonShadows[gnomonShadowLight].kind;
+    disc.radius = gnomonShadows[gnomonShadowLight].eye.w;
+    if (disc.radius <= 0.0 || kind == SAMPLE_DISCS || kind == SAMPLE_PARTS)
+        return gn_sampleShadow(light, position, normal);
+    vec4 clip;
+    Tap tap = gnomonShadowTaps(look, r, clip).fine;
+    bool sun = look.positional == 0.0;
+    disc.texelWs = kind == SAMPLE_CUBE ? 2.0 * look.slope / look.side : length(look.texelDx.xyz);
+    disc.tangentPerTexel = sun ? 0.0 : disc.texelWs;
+    disc.reach = disc.radius * (sun ? length(look.axisWs.xyz) : 1.0 / abs(look.depthScale)) / disc.texelWs;
+#ifdef GNOMON_SHADOW_PIXEL
+    vec2 direction = firstDirection(GNOMON_SHADOW_PIXEL);
+#else
+    vec2 direction = firstDirection(floor(8.0 * tap.at));
+#endif
+    LightCone cone = lightCone(look, tap, mapDepth(look, clip));
+    Blockers found = blockersIn(cone, gnomonShadowSpread(cone, look.side, direction), direction);
+    if (found.count <= 0.0) return shareAbove(look, r);
+    float spread = max(spreadAt(cone, found.mean), 0.5); // the edge of a map is not sharper than half a texel
+    return discVisibility(cone, spread, direction, uint(GNOMON_SHADOW_SOFT)) * shareAbove(look, r);
+}
+#endif
 #endif

@@ -1,5 +1,5 @@
 // Silhouette revectorization: the stairs that the texels of a map make of a shadow's edge become the lines through
-// their corners or their middles. Source: Macedo 2018, 3.1 to 4.1.1, Eqs 3.1 to 3.9 and 4.2.
+// their corners or their middles; C++, GLSL and HLSL. Source: Macedo 2018, 3.1 to 4.1.1, Eqs 3.1 to 3.9 and 4.2.
 //
 // The includer declares what is asked of a map, before:
 //   struct Tap                                  a receiver and its place in the map
@@ -7,7 +7,7 @@
 //   bool texelExists(Tap tap, vec2 centre)      whether the map has it; what it has not ends no shadow and no stair
 #ifndef GNOMON_REVECTORIZED_REVECTORIZE_H
 #define GNOMON_REVECTORIZED_REVECTORIZE_H
-#include "lines.h"
+#include "stairs.h"
 
 GN_SHARED_BEGIN
 

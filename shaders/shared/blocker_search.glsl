@@ -1,42 +1,9 @@
-// Where a light's disc is hidden, as its depth map has it: the depth of what hides it, and how wide the disc appears at
-// that depth. The includer declares, before: planar_tap.glsl, filter.glsl and
+// The cone from a receiver to a light's disc, narrowed by the nearest and farthest depths around it. The includer
+// declares, before: planar_tap.glsl, filter.glsl and
 //   DiscCone disc   in its block of constants
 //   vec2 bounds[]   a storage buffer, the pyramid of depth_bounds.h
-#include "blocker_search.h"
 #include "depth_range.glsl"
-#include "disc_points.glsl"
-
-// The cone from a receiver to the light's disc, as the map shows it. At a depth nearer to the light by D it is an
-// ellipse of texels about the receiver's own place: reach D wide across, and longer along the line to the map's middle,
-// since the disc faces the receiver and the map does not.
-struct LightCone {
-    Tap tap;
-    float own;    // depth of the receiver
-    vec2 tangent; // place of the receiver in the map, width over distance; directional: 0
-    float stretch;
-    vec2 inside; // least and greatest coordinates of taps: a map with a perspective ends, others go on without casters
-};
-
-LightCone lightCone(MapLookup look, Tap tap, float own)
-{
-    LightCone cone;
-    cone.tap = tap;
-    cone.own = own;
-    cone.tangent = (tap.at - 0.5 * look.side) * disc.tangentPerTexel;
-    cone.stretch = sqrt(1.0 + dot(cone.tangent, cone.tangent));
-    cone.inside = look.positional != 0.0 ? vec2(1.0, look.side - 1.0) : vec2(-1e30, 1e30);
-    return cone;
-}
-
-// Half width of the disc at a depth, texels.
-float spreadAt(LightCone cone, float depth) { return max(disc.reach * (cone.own - depth), 0.0); }
-
-// Where a point of the unit disc appears that is `spread` texels wide.
-vec2 placeOf(LightCone cone, vec2 point, float spread)
-{
-    vec2 longer = point + cone.tangent * (dot(cone.tangent, point) / (cone.stretch + 1.0));
-    return clamp(cone.tap.at + spread * longer, vec2(cone.inside.x), vec2(cone.inside.y));
-}
+#include "light_cone.glsl"
 
 // Half width of a square of texels that holds all that taps of a disc of this spread look at.
 float searchWidth(LightCone cone, float spread) { return spread * cone.stretch + 2.0; }
@@ -66,45 +33,4 @@ float narrowedCone(LightCone cone, uint side, uint layer, out float decided)
         decided = decidedBy(cone, range, spread);
     }
     return spread;
-}
-
-struct Blockers {
-    float mean;  // depth; with none 0
-    float count;
-    float open;  // texels from the middle to the nearest tap that is none
-};
-
-// Adds the depth of a texel that lies before the receiver's plane, and in the cone: what lies beside it, such as a wall
-// next to the receiver, hides nothing of the disc. mean: the sum as yet.
-void addBlocker(LightCone cone, vec2 place, float fromMiddle, inout Blockers found)
-{
-    vec2 texel = floor(place) + 0.5;
-    float depth = mapTexel(cone.tap, texel);
-    bool blocks = min(tapDepth(cone.tap, texel), 1.0) > depth && fromMiddle <= spreadAt(cone, depth) + 1.0;
-    found.mean += blocks ? depth : 0.0;
-    found.count += blocks ? 1.0 : 0.0;
-    found.open = blocks ? found.open : min(found.open, fromMiddle);
-}
-
-Blockers blockersIn(LightCone cone, float spread, vec2 direction)
-{
-    Blockers found = Blockers(0.0, 0.0, 1e30);
-    addBlocker(cone, cone.tap.at, 0.0, found);
-    for (int i = 0; i < SEARCH_TAPS; ++i) {
-        float radius = pointRadius(float(i), float(SEARCH_TAPS));
-        addBlocker(cone, placeOf(cone, radius * direction, spread), radius * spread, found);
-        direction = nextDirection(direction);
-    }
-    found.mean /= max(found.count, 1.0);
-    return found;
-}
-
-// Share of the disc above the receiver's own plane, which a map does not know to hide anything.
-float shareAbove(MapLookup look, PlaneReceiver r)
-{
-    float distance = look.positional != 0.0 ? length(r.fromLight) : length(look.axisWs.xyz);
-    float cosine = clamp(-r.facing / max(distance, 1e-30), 0.0, 1.0);
-    float across = disc.radius * sqrt(1.0 - cosine * cosine) / (look.positional != 0.0 ? max(distance, 1e-30) : 1.0);
-    float height = min(cosine / max(across, 1e-30), 1.0); // of the centre over the plane, in radii of the disc there
-    return 1.0 - (acos(height) - height * sqrt(1.0 - height * height)) / 3.14159265;
 }

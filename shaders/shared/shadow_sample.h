@@ -21,7 +21,7 @@ struct ShadowSample {
     MapLookup map;
     vec4 parts[SAMPLE_VECTORS]; // parts: texel of i = xy * texel of the finest + zw. Discs: two Paraboloids, and a
                                 // vector v: what lies at p from the light is in the first where dot(v, p) >= 0
-    vec4 eye;                   // xyz: what `map` counts from, in the host's coordinates
+    vec4 eye;                   // xyz: the zero of `map` in the host's coordinates; w: radius of the light's disc, 1 m off
     vec4 ahead;                 // linear depth of what lies at v from there: dot(xyz, v) + w
     uint kind;                  // SAMPLE_*
     uint count;                 // of parts

@@ -8,6 +8,10 @@
 #include "device/target_support.hpp"
 #include "shaders/sampled_comp.h"
 #include "shaders/sampled_hlsl.h"
+#include "shaders/sampled_lines_comp.h"
+#include "shaders/sampled_lines_hlsl.h"
+#include "shaders/sampled_soft_comp.h"
+#include "shaders/sampled_soft_hlsl.h"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -30,11 +34,12 @@ void markSampled(const Host& host, size_t light, bool sampled = true)
 
 /// A spot, a bulb and the sun over the small scene, and what every pixel of the view shows.
 struct Sampled {
-    explicit Sampled(const HostOptions& options = {.extent = kExtent})
-        : host(targetScene(demo::DepthConvention::ReversedInfinite), options),
+    explicit Sampled(float radius = 0.0f, const HostOptions& options = {.extent = kExtent})
+        : host(targetScene(demo::DepthConvention::ReversedInfinite, radius), options),
           view(bruteView(host, lensesFor(demo::DepthConvention::ReversedInfinite)[0], 0.0)),
           triangles(bruteTriangles(host))
     {
+        host.scene.lights[2].radius = 0.3f * radius; // the sun's, radians
         for (size_t i = 0; i < host.lights.size(); ++i)
             markSampled(host, i);
         for (int y = 0; y < view.height; ++y)
@@ -131,6 +136,64 @@ TEST_CASE_FIXTURE(DeviceTest, "a host's shader sees the shadows that a light's m
             if (filter > 1.0) host.require(gnSetMethodSetting(host.context, method.pName, "filter", 1.0));
         }
         host.pinAll("ray_traced");
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a host's shader makes the lines of rbsm of a map's stairs, in GLSL and in HLSL")
+{
+    Sampled scene;
+    Host& host = scene.host;
+    Sampler glsl(k_sampled_lines_comp), hlsl(k_sampled_lines_hlsl), plain(k_sampled_comp);
+    host.require(gnSetMethodSetting(host.context, "rbsm", "resolution", 256));
+    host.pinAll("rbsm");
+    host.require(host.draw());
+    const std::vector<Image8> pictures = host.pictures();
+    for (uint32_t light = 0; light < host.lights.size(); ++light) {
+        const std::vector<float> answers = glsl.sample(host, light, scene.points);
+        CHECK(std::string(glsl.last.pMethods[light]) == "rbsm");
+        const Tally lines = compare(scene, pictures[light], answers);
+        const Tally stairs = compare(scene, pictures[light], plain.sample(host, light, scene.points));
+        MESSAGE(host.scene.lights[light].name
+                << ": " << lines.differing << " clear pixels and " << lines.differingAtEdges << " of " << lines.edges
+                << " at edges differ from rbsm, of plain look-ups " << stairs.differingAtEdges);
+        CHECK(lines.clear > 5000);
+        CHECK(lines.differing == 0);
+        CHECK(lines.differingAtEdges * 100 <= lines.edges);
+        CHECK(stairs.differingAtEdges >= 5 * lines.differingAtEdges + 5);
+        CHECK(farthest(hlsl.sample(host, light, scene.points), answers) == 0.0f);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a host's shader has the penumbrae of pcss, in GLSL and in HLSL")
+{
+    Sampled scene(0.4f);
+    Host& host = scene.host;
+    Sampler glsl(k_sampled_soft_comp), hlsl(k_sampled_soft_hlsl), plain(k_sampled_comp);
+    host.pinAll("pcss");
+    host.require(host.draw());
+    const std::vector<Image8> pictures = host.pictures();
+    for (uint32_t light = 0; light < host.lights.size(); ++light) {
+        const std::vector<float> answers = glsl.sample(host, light, scene.points);
+        CHECK(std::string(glsl.last.pMethods[light]) == "pcss");
+        const std::vector<float> hard = plain.sample(host, light, scene.points);
+        double soft2 = 0.0, hard2 = 0.0;
+        size_t penumbra = 0;
+        for (size_t i = 0; i < answers.size(); ++i) {
+            const double shown = pictures[light].texels[i] / 255.0;
+            if (scene.sky[i] || shown < 0.02 || shown > 0.98) continue;
+            ++penumbra;
+            soft2 += (answers[i] - shown) * (answers[i] - shown);
+            hard2 += (hard[i] - shown) * (hard[i] - shown);
+        }
+        const Tally tally = compare(scene, pictures[light], answers);
+        const double rmse = std::sqrt(soft2 / double(penumbra)), rmseHard = std::sqrt(hard2 / double(penumbra));
+        MESSAGE(host.scene.lights[light].name << ": RMSE " << rmse << " to pcss in " << penumbra
+                                              << " pixels of penumbra, of hard look-ups " << rmseHard << "; "
+                                              << tally.differing << " of " << tally.clear << " clear pixels differ");
+        CHECK(penumbra > 100);
+        CHECK(rmse <= 0.25 * rmseHard); // the nearest blocker is looked for with 32 taps, not in a pyramid
+        CHECK(tally.differing * 1000 <= tally.clear);
+        CHECK(farthest(hlsl.sample(host, light, scene.points), answers) < 0.05f);
     }
 }
 

@@ -234,8 +234,8 @@ typedef struct GnSampledShadows {
 
 /** \brief What a view's lights were shadowed with in the newest frame, for shaders of the host's.
 
-What a method knows beyond its map does not go into it: filters do (a disc as a box), rays and revectorized edges do
-not. The map is asked for by #GN_LIGHT_SAMPLED_BIT, not by this call. Surfaces outside of the view have no shadows.
+A method's filter goes into it (a disc as a box); lines and penumbrae are functions in gnomon/sample_shadow.h, and rays
+are left out. #GN_LIGHT_SAMPLED_BIT asks for the map, not this call. Surfaces outside of the view have no shadows.
 \param pOrigin World position, metres, of the zero of the positions that the shader gives: of a host with world
     coordinates (0, 0, 0), for which null stands, else the eye. Float positions far from it are as coarse as floats are.
 \return #GN_ERROR_FRAME_ORDER if the view was not in the newest frame, or that does not count; #GN_ERROR_EMPTY if none

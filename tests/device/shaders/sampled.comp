@@ -6,7 +6,18 @@
 #define GNOMON_SHADOW_MAPS_BINDING 1
 #define GNOMON_SHADOW_SAMPLER_BINDING 2
 #define GNOMON_SHADOW_LIGHTS 3
+#ifdef GNOMON_SHADOW_SOFT
+uint pixel;
+#define GNOMON_SHADOW_PIXEL (vec2(pixel % 160u, pixel / 160u) + 0.5)
+#endif
 #include "gnomon/sample_shadow.h"
+#if defined(GNOMON_SHADOW_REVECTORIZED)
+#define SAMPLE gn_sampleShadowRevectorized
+#elif defined(GNOMON_SHADOW_SOFT)
+#define SAMPLE gn_sampleShadowSoft
+#else
+#define SAMPLE gn_sampleShadow
+#endif
 
 layout(local_size_x = 64) in;
 layout(set = 0, binding = 3, std140) uniform Question {
@@ -18,5 +29,8 @@ layout(set = 0, binding = 4, std430) buffer Points { vec4 points[]; }; // positi
 void main()
 {
     uint i = gl_GlobalInvocationID.x;
-    if (i < count) points[2 * i].w = gn_sampleShadow(light, points[2 * i].xyz, points[2 * i + 1].xyz);
+#ifdef GNOMON_SHADOW_SOFT
+    pixel = i;
+#endif
+    if (i < count) points[2 * i].w = SAMPLE(light, points[2 * i].xyz, points[2 * i + 1].xyz);
 }

@@ -5,7 +5,18 @@
 #define GNOMON_SHADOW_MAPS_BINDING 1
 #define GNOMON_SHADOW_SAMPLER_BINDING 2
 #define GNOMON_SHADOW_LIGHTS 3
+#ifdef GNOMON_SHADOW_SOFT
+static uint pixel;
+#define GNOMON_SHADOW_PIXEL (float2(pixel % 160u, pixel / 160u) + 0.5)
+#endif
 #include "gnomon/sample_shadow.h"
+#if defined(GNOMON_SHADOW_REVECTORIZED)
+#define SAMPLE gn_sampleShadowRevectorized
+#elif defined(GNOMON_SHADOW_SOFT)
+#define SAMPLE gn_sampleShadowSoft
+#else
+#define SAMPLE gn_sampleShadow
+#endif
 
 [[vk::binding(3, 0)]] cbuffer Question
 {
@@ -16,5 +27,8 @@
 
 [numthreads(64, 1, 1)] void main(uint3 id : SV_DispatchThreadID)
 {
-    if (id.x < count) points[2 * id.x].w = gn_sampleShadow(light, points[2 * id.x].xyz, points[2 * id.x + 1].xyz);
+#ifdef GNOMON_SHADOW_SOFT
+    pixel = id.x;
+#endif
+    if (id.x < count) points[2 * id.x].w = SAMPLE(light, points[2 * id.x].xyz, points[2 * id.x + 1].xyz);
 }
