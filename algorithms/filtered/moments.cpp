@@ -2,6 +2,7 @@
 
 #include "algorithms/filtered/moment_maps.hpp"
 #include "algorithms/filtered/statistics_resolve.hpp"
+#include "algorithms/shared/contact.hpp"
 #include "shaders/filtered_moments_cube_frag.h"
 #include "shaders/filtered_moments_frag.h"
 
@@ -9,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding };
+enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding, kContact };
 
 constexpr SettingSpec kSettings[] = {
     // 2048: the buffers of the filter, 16 bytes a texel, have to fit into a storage buffer, which may have 128 MiB.
@@ -22,6 +23,7 @@ constexpr SettingSpec kSettings[] = {
     {"exponent", "Of ESM and EVSM, for depths from -1 to 1; clamped to what 16 bits hold, 5.54, of ESM 11.08.", 1, 42,
      40},
     {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0.1},
+    kContactSetting,
 };
 
 MomentFilter filterOf(std::span<const double> settings)
@@ -58,7 +60,8 @@ public:
           resolve_(services, {.name = "moments.resolve",
                               .fragment = k_filtered_moments_frag,
                               .cube = k_filtered_moments_cube_frag,
-                              .choices = 2})
+                              .choices = 2}),
+          contact_(services)
     {
     }
 
@@ -74,8 +77,8 @@ public:
         addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
         const ImageId moments = maps_.declare(passes, map, task, resolution, filter);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
-
         resolve_.declare(passes, task, map.image, moments, constants, filter.kind == gpu::MOMENTS_MSM);
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const Map* lightMap() const override { return &map_; }
@@ -84,6 +87,7 @@ private:
     DepthMapPipelines casters_;
     MomentMaps maps_;
     StatisticsResolve resolve_; ///< By whether it is MSM.
+    ContactShadows contact_;
     Map map_;
 };
 

@@ -1,23 +1,25 @@
 #include "algorithms/revectorized/edt.hpp"
 
 #include "algorithms/revectorized/distance_penumbra.hpp"
+#include "algorithms/shared/contact.hpp"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kPenumbra, kShow, kMean };
+enum Setting { kResolution, kPenumbra, kShow, kMean, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
     {"penumbra", "Width of the ramp, metres; 0: none, the picture of rbsm.", 0, 100, 0.1},
     kShowSetting,
     kMeanSetting,
+    kContactSetting,
 };
 
 class Edt final : public ShadowAlgorithm {
 public:
-    explicit Edt(const AlgorithmServices& services) : penumbra_(services) {}
+    explicit Edt(const AlgorithmServices& services) : penumbra_(services), contact_(services) {}
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
@@ -25,6 +27,7 @@ public:
                                  {.width = static_cast<float>(task.settings[kPenumbra]),
                                   .show = static_cast<std::uint32_t>(task.settings[kShow]),
                                   .mean = static_cast<float>(task.settings[kMean])});
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const char* refuses(const ShadowTask& task) const override { return penumbra_.refuses(task); }
@@ -32,6 +35,7 @@ public:
 
 private:
     DistancePenumbra penumbra_;
+    ContactShadows contact_;
     Map map_;
 };
 

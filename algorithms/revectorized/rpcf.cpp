@@ -1,22 +1,24 @@
 #include "algorithms/revectorized/rpcf.hpp"
 
 #include "algorithms/revectorized/line_map.hpp"
+#include "algorithms/shared/contact.hpp"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kLongest };
+enum Setting { kResolution, kFilter, kLongest, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map; of a point light, of each of six.", 64, 8192, 1024, true},
     {"filter", "Texels per side of the box, odd: as many taps.", 1, gpu::MAX_LINE_TAPS, 7},
     kLongestSetting,
+    kContactSetting,
 };
 
 class Rpcf final : public ShadowAlgorithm {
 public:
-    explicit Rpcf(const AlgorithmServices& services) : lines_(services, "rpcf.resolve") {}
+    explicit Rpcf(const AlgorithmServices& services) : lines_(services, "rpcf.resolve"), contact_(services) {}
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
@@ -24,12 +26,14 @@ public:
                               {.mode = gpu::REVECTORIZE_KERNEL,
                                .longest = static_cast<std::uint32_t>(task.settings[kLongest]),
                                .filterSide = filterSide(task.settings[kFilter])});
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
     const Map* lightMap() const override { return &map_; }
 
 private:
     LineMap lines_;
+    ContactShadows contact_;
     Map map_;
 };
 

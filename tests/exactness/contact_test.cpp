@@ -14,7 +14,7 @@ namespace {
 
 constexpr VkExtent2D kSize{240, 180};
 constexpr double kContactWs = 0.1;
-constexpr const char* kMethods[] = {"shadow_map", "cube_map", "cascades", "rbsm"};
+constexpr const char* kMethods[] = {"shadow_map", "cube_map", "cascades", "rbsm", "rpcf", "edt", "moments"};
 constexpr double kSide = 1.0; // of the crate, metres
 
 /// A crate on a floor, seen from the side of its shadow. \param aside it stands half beyond the picture's border
