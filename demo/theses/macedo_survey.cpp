@@ -30,7 +30,7 @@ const Method& methodOf(Row row)
         {"volumes", "all_edges_volume", nullptr, {}},
         {"moments", "moments", "filter", {{"kind", 4}, {"filter", 15}}},
         {"PCF", "shadow_map", "filter", {{"filter", 15}, {"kernel", 1}}},
-        {"distances", "edt", nullptr, {}},
+        {"distances", "edt", nullptr, {{"mean", 0.5}}},
         {"RPCF", "rpcf", "filter", {{"filter", 7}}},
         {"uniform", "area_light", nullptr, {{"side", 17}}, true},
         {"adaptive", "area_adaptive", nullptr, {{"least", 0}, {"reasons", 0}}, true},

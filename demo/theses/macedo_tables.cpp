@@ -224,7 +224,7 @@ PairTable filteredByKernel(Pairs& pairs)
     PairTable table =
         tableOf("4.3",
                 "the same, 1280 x 720, maps of 1024: ms a frame by side of the kernel. PCF and RPCF end at "
-                "15 here, and distances have no mean filter, so that their price has no kernel.",
+                "15 here, and the mean of distances has 15 taps a row and column, whatever its width.",
                 {"scene", "method"}, {"7", "15", "23", "31"});
     addFiltered(
         table, pairs, [](const Filtered& f) { return f.byKernel; },
@@ -240,13 +240,13 @@ PairTable distanceSteps(Pairs& pairs)
 {
     PairTable table = tableOf("4.4",
                               "steps of distances (EDTSM), maps of 1024: ms by picture. G-buffer and shading are the "
-                              "host's, and the ramp has no mean filter.",
+                              "host's.",
                               {"scene", "step"}, {"480p", "720p", "1080p"});
     constexpr std::string_view kPasses[] = {"",
                                             "depth_map.casters depth_map.statics depth_map.copy_statics",
                                             "distance.hard",
                                             "distance.seeds distance.columns distance.rows",
-                                            "distance.ramp",
+                                            "distance.ramp distance.mean_rows distance.mean_columns",
                                             "",
                                             "all"};
     for (size_t scene = 0; scene < kFiltered.size(); ++scene)

@@ -108,7 +108,7 @@ TEST_CASE("methods with ramps draw fewer points, steps are the passes' time, and
     CHECK(times.at(ramps).points <= times.at(adaptive).points);
     for (const char* pass : {"area_quads.casters", "area_revectorized.look", "area_revectorized.resolve"})
         CHECK(times.at(ramps).steps.at(pass) > 0.0);
-    for (const char* pass : {"depth_map.casters", "distance.hard", "distance.rows"})
+    for (const char* pass : {"depth_map.casters", "distance.hard", "distance.rows", "distance.mean_rows"})
         CHECK(times.at(distances).steps.contains(pass));
 }
 
