@@ -1,13 +1,11 @@
 #include "algorithms/filtered/moments_soft.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include <glm/geometric.hpp>
 
 #include "algorithms/filtered/moment_maps.hpp"
 #include "algorithms/filtered/statistics_resolve.hpp"
 #include "algorithms/filtered/summed_tables.hpp"
+#include "algorithms/shared/source_size.hpp"
 #include "shaders/filtered/summed.h"
 #include "shaders/filtered_moments_soft_cube_frag.h"
 #include "shaders/filtered_moments_soft_frag.h"
@@ -57,6 +55,7 @@ public:
         resolve_.declare(passes, task, map.image, table, constants);
     }
 
+    const char* refuses(const ShadowTask& task) const override { return refusesDisc(*task.light); }
     const Map* lightMap() const override { return &map_; }
 
 private:
@@ -65,11 +64,10 @@ private:
     {
         const LightView& light = *task.light;
         const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
-        const float radius = light.constants.sourceRadius;
         const gpu::MapLookup& look = constants.base.map;
         constants.linear = linearDepthOf(fit, light);
         constants.four = task.settings[kFour] != 0.0;
-        constants.radius = directional ? std::tan(std::min(radius, 1.5f)) : radius;
+        constants.radius = discRadius(light);
         constants.bleeding = static_cast<float>(task.settings[kBleeding]);
         constants.momentBias = kMomentBias;
         constants.deviation = kDeviation;
