@@ -20,6 +20,7 @@ struct Picture {
 struct Tap {
     const Picture* map;
     uint64_t* fetches = nullptr; ///< Texels asked.
+    uint64_t* beside = nullptr;  ///< Of these, beside the picture.
 };
 
 inline bool texelExists(Tap, vec2 centre)
@@ -30,6 +31,7 @@ inline bool texelExists(Tap, vec2 centre)
 inline bool texelLit(Tap tap, vec2 centre)
 {
     if (tap.fetches) ++*tap.fetches;
+    if (tap.beside && !texelExists(tap, centre)) ++*tap.beside;
     return !texelExists(tap, centre) ||
            !tap.map->shadow[static_cast<size_t>(centre.y) * kSide + static_cast<size_t>(centre.x)];
 }

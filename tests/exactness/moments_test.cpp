@@ -142,6 +142,29 @@ TEST_CASE("under three layers VSM leaks most, EVSM less, and MSM no more than th
                           << sum / double(pixels));
         return sum / double(pixels);
     };
+    // Methods that average answers of texels, not depths, leak nothing where all of these are dark: 15 x 15 texels
+    // around, with one more for ramps, and two more for distances, which end on the screen.
+    const Pictures wide = stage.draw("shadow_map", {{"resolution", kSide}, {"filter", 15.0}, {"kernel", 1.0}});
+    const Pictures ramps = stage.draw("rpcf", {{"resolution", kSide}, {"filter", 7.0}});
+    const Pictures distances = stage.draw("edt", {{"resolution", kSide}, {"penumbra", 0.02}});
+    uint64_t deep = 0, light = 0;
+    for (size_t layer = 0; layer < wide.size(); ++layer) {
+        if (wide[layer].width == 0) continue;
+        const size_t width = wide[layer].width;
+        for (size_t i = 2 * width + 2; i + 2 * width + 2 < wide[layer].texels.size(); ++i) {
+            bool dark = stage.counted[layer][i] == 1;
+            for (size_t row = i - 2 * width; dark && row <= i + 2 * width; row += width)
+                for (size_t at = row - 2; at <= row + 2; ++at)
+                    dark = dark && stage.truth[layer].texels[at] == 0 && compared[layer].texels[at] == 0 &&
+                           stage.counted[layer][at] == 1;
+            if (!dark || wide[layer].texels[i] != 0) continue;
+            ++deep;
+            light += ramps[layer].texels[i] != 0 || distances[layer].texels[i] != 0;
+        }
+    }
+    MESSAGE("rpcf and edt have light in " << light << " of " << deep << " pixels of the umbra");
+    CHECK(deep > 1500);
+    CHECK(light == 0);
     const double vsm = leak(kVsm, 0.0), evsm = leak(kEvsm4, 0.0), msm = leak(kMsm, 0.0);
     CHECK(leak(kEvsm2, 0.0) < vsm);
     CHECK(evsm < vsm);

@@ -12,7 +12,7 @@ namespace gnomon::exact {
 namespace {
 
 constexpr const char* kPcss = "pcss";
-constexpr const char* kMethods[] = {kPcss};
+constexpr const char* kMethods[] = {kPcss, "rbssm"};
 constexpr VkExtent2D kSize{160, 120};
 
 } // namespace

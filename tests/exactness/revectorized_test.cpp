@@ -55,7 +55,8 @@ TEST_CASE(
         CAPTURE(bound.scene);
         Stage stage(shippedScene(bound.scene), testSize());
         uint64_t last = 0;
-        for (const double resolution : {512.0, 1024.0, 2048.0}) {
+        for (const double resolution : {512.0, 1024.0, 2048.0, 4096.0}) {
+            if (resolution > 2048.0 && !bound.finer) continue;
             CAPTURE(resolution);
             const ErrorCount map = pooled(stage, plain(stage, resolution));
             const ErrorCount line = pooled(stage, lines(stage, resolution, kMiddle));
@@ -65,6 +66,7 @@ TEST_CASE(
             CHECK(map.counted == line.counted);
             CHECK(double(map.wrong()) >= bound.better * double(line.wrong()));
             if (last > 0 && bound.finer) CHECK(last <= map.wrong());
+            if (last > 0) CHECK(line.wrong() < last);
             last = line.wrong();
         }
     }
