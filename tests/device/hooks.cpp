@@ -33,6 +33,17 @@ VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance in
 
 } // namespace
 
+Hook withoutTimestamps()
+{
+    return hook(
+        "vkGetPhysicalDeviceQueueFamilyProperties2",
+        +[](VkPhysicalDevice handle, uint32_t* count, VkQueueFamilyProperties2* families) {
+            vkGetPhysicalDeviceQueueFamilyProperties2(handle, count, families);
+            for (uint32_t i = 0; families && i < *count; ++i)
+                families[i].queueFamilyProperties.timestampValidBits = 0;
+        });
+}
+
 HostOptions hooked(HostOptions base, std::vector<Hook> hooks)
 {
     base.context = [hooks = std::move(hooks), last = std::move(base.context)](GnContextCreateInfo& info) {

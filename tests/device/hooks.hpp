@@ -18,6 +18,9 @@ Hook hook(const char* name, Function* instead)
     return {name, reinterpret_cast<PFN_vkVoidFunction>(instead)};
 }
 
+/// Queues have no timestamps: gnomon learns no time on the GPU.
+Hook withoutTimestamps();
+
 /// Options of a host whose context takes its functions through the hooks.
 HostOptions hooked(HostOptions base, std::vector<Hook> hooks);
 

@@ -8,6 +8,7 @@
 #include <gnomon/algorithm.h>
 
 #include "device/fade_support.hpp"
+#include "device/hooks.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -97,14 +98,6 @@ void GN_CALL declareCrowd(void*, GnPassBuilder builder, const GnShadowTask* task
 
 uint32_t queriesReset = 0;
 
-VKAPI_ATTR void VKAPI_CALL withoutTimestamps(VkPhysicalDevice handle, uint32_t* count,
-                                             VkQueueFamilyProperties2* families)
-{
-    vkGetPhysicalDeviceQueueFamilyProperties2(handle, count, families);
-    for (uint32_t i = 0; families && i < *count; ++i)
-        families[i].queueFamilyProperties.timestampValidBits = 0;
-}
-
 VKAPI_ATTR void VKAPI_CALL countedReset(VkCommandBuffer cmd, VkQueryPool pool, uint32_t first, uint32_t count)
 {
     queriesReset += count;
@@ -136,7 +129,7 @@ template <bool timestamps>
 VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL hookedGetInstanceProcAddr(VkInstance instance, const char* name)
 {
     if (!timestamps && std::strcmp(name, "vkGetPhysicalDeviceQueueFamilyProperties2") == 0)
-        return reinterpret_cast<PFN_vkVoidFunction>(&withoutTimestamps);
+        return withoutTimestamps().instead;
     if (std::strcmp(name, "vkGetDeviceProcAddr") == 0)
         return reinterpret_cast<PFN_vkVoidFunction>(&hookedGetDeviceProcAddr);
     return vkGetInstanceProcAddr(instance, name);
