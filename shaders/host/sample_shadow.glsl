@@ -224,7 +224,8 @@ float gnomonShadowSpread(LightCone cone, float side, vec2 direction)
         nearest = blocks ? min(nearest, depth) : nearest;
         direction = nextDirection(direction);
     }
-    return min(max(spreadAt(cone, nearest), 1.5), widest);
+    // Where none has found a blocker, one of them may have missed it narrowly.
+    return min(nearest < cone.own ? max(spreadAt(cone, nearest), 1.5) : side / 32.0, widest);
 }
 
 // The same with the penumbra of the light's radius, as `pcss` estimates it (Fernando 2005). A light without a radius,
