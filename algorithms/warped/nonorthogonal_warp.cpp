@@ -80,7 +80,8 @@ public:
                                         .even = settings[kEven],
                                         .power = settings[kPower]});
         const Sizes sizes = sizesOf(warp->resolution);
-        if (map_.isDue(passes, task, *warp, sizes.tables)) {
+        const WarpDue due = map_.due(passes, task, *warp, sizes.tables);
+        if (due == WarpDue::all) {
             Plan* plan = passes.arena().make<Plan>();
             plan->warp = warp;
             plan->counts = map_.declareImportance(passes, task, *warp, sizes.counts);
@@ -90,8 +91,8 @@ public:
             plan->functions = buffer("nonorthogonal_warp.functions", sizes.functions);
             plan->warpedCounts = buffer("nonorthogonal_warp.recount", sizes.counts);
             declareTables(passes, *plan);
-            map_.declareCasters(passes, task, *warp, sizes.tables);
         }
+        map_.declareCasters(passes, task, *warp, sizes.tables, due);
         map_.declareLookup(passes, task, *warp);
     }
 

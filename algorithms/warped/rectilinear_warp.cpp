@@ -82,10 +82,10 @@ public:
                                         .power = settings[kPower]});
         if (settings[kGreatest] == 0.0) warp->constants.mostWeight = mostWeight(warp->constants.pixels);
         const WarpTables tables = tablesOf(resolution);
-        if (map_.isDue(passes, task, *warp, tables)) {
+        const WarpDue due = map_.due(passes, task, *warp, tables);
+        if (due == WarpDue::all)
             declareTables(passes, *warp, map_.declareImportance(passes, task, *warp, kImportanceBytes));
-            map_.declareCasters(passes, task, *warp, tables);
-        }
+        map_.declareCasters(passes, task, *warp, tables, due);
         map_.declareLookup(passes, task, *warp);
     }
 

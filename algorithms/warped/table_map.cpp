@@ -157,6 +157,7 @@ struct CastersDraw {
     const WarpTask* warp;
     std::uint32_t map;
     const LightView* light;
+    std::uint32_t flags; ///< gpu::WarpCaster
 
     void operator()(PassContext& gpu) const
     {
@@ -179,7 +180,9 @@ struct CastersDraw {
 
     void draw(PassContext& gpu, const Caster& caster, const DrawnPart& part) const
     {
-        gpu.push(warpCaster(*warp, map, *light, caster, part.away));
+        gpu::WarpCaster push = warpCaster(*warp, map, *light, caster, part.away);
+        push.flags |= flags;
+        gpu.push(push);
         const std::uint32_t end = part.firstFace + std::min(part.faceCount, UINT32_MAX - part.firstFace);
         forFacesIn(warp->volumes[map], caster, {part.firstFace, end}, [&](const FaceRange& faces) {
             gpu.vk->vkCmdDraw(gpu.cmd, 3 * (faces.end - faces.first), 1, 3 * faces.first, 0);
@@ -306,7 +309,7 @@ WarpTask* TableMap::fit(PassBuilder& passes, const ShadowTask& task, const Table
     return warp;
 }
 
-bool TableMap::isDue(PassBuilder& passes, const ShadowTask& task, WarpTask& warp, const WarpTables& tables) const
+WarpDue TableMap::due(PassBuilder& passes, const ShadowTask& task, WarpTask& warp, const WarpTables& tables) const
 {
     const std::uint32_t variant = warp.maps << 16 | warp.resolution;
     warp.map = passes.persistent(ImageInfo{.name = info_.map,
@@ -325,9 +328,13 @@ bool TableMap::isDue(PassBuilder& passes, const ShadowTask& task, WarpTask& warp
         if (warp.drawn(map)) warp.casters[map] = castersOf(passes, task, warp, map);
     Stamp stamp;
     stamp.add(stampOf(warp, *task.light)).add(passes.serial(warp.map)).add(passes.serial(warp.places));
-    const bool due = passes.stale(warp.tables, stamp.value());
-    if (!due) passes.kept(warp.maps);
-    return due;
+    if (passes.stale(warp.tables, stamp.value())) {
+        passes.stale(warp.map, stamp.add(passes.frame()).value()); // not all of it is there
+        return WarpDue::all;
+    }
+    if (passes.stale(warp.map, stamp.value())) return WarpDue::unseen;
+    passes.kept(warp.maps);
+    return WarpDue::nothing;
 }
 
 BufferId TableMap::declareImportance(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp,
@@ -353,21 +360,27 @@ BufferId TableMap::declareImportance(PassBuilder& passes, const ShadowTask& task
 }
 
 void TableMap::declareCasters(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp,
-                              const WarpTables& tables) const
+                              const WarpTables& tables, WarpDue due) const
 {
-    passes.transfer(info_.places)
-        .reads(warp.tables)
-        .writes(warp.places, kAllLayers)
-        .record([shared = &warp, tables](PassContext& gpu) { copyPlaces(gpu, *shared, tables); });
+    if (due == WarpDue::nothing) return;
+    const bool all = due == WarpDue::all;
+    if (all)
+        passes.transfer(info_.places)
+            .reads(warp.tables)
+            .writes(warp.places, kAllLayers)
+            .record([shared = &warp, tables](PassContext& gpu) { copyPlaces(gpu, *shared, tables); });
     const PipelineId* pipelines = casters_[warp.shape == WarpShape::discs];
     for (std::uint32_t map = 0; map < warp.maps; ++map) {
         if (!warp.drawn(map)) continue;
         passes.raster(info_.casters, Scope::task, map)
-            .depthWrite(warp.map, {.layer = map, .clear = true, .value = {.depthStencil = {1.0f, 0}}})
+            .depthWrite(warp.map, {.layer = map, .clear = all, .value = {.depthStencil = {1.0f, 0}}})
             .reads(warp.tables)
             .samples(warp.places)
-            .record(
-                CastersDraw{.pipelines = {pipelines[0], pipelines[1]}, .warp = &warp, .map = map, .light = task.light});
+            .record(CastersDraw{.pipelines = {pipelines[0], pipelines[1]},
+                                .warp = &warp,
+                                .map = map,
+                                .light = task.light,
+                                .flags = all ? 0u : gpu::WARP_CASTER_UNSEEN});
     }
 }
 

@@ -70,6 +70,10 @@ struct WarpTables {
     }
 };
 
+/// What of a light's maps has to be made in a frame. Maps in which the tables' frame has no receiver are left empty in
+/// it. They are drawn one frame later, where nothing has moved: from then on receivers that cast no shadow may come.
+enum class WarpDue : std::uint8_t { nothing, unseen, all };
+
 class TableMap {
 public:
     TableMap(const AlgorithmServices& services, const TableMapInfo& info);
@@ -77,16 +81,16 @@ public:
     /// Projection and constants.
     static WarpTask* fit(PassBuilder& passes, const ShadowTask& task, const TableSettings& settings);
 
-    /// Whether tables and map have to be made: not while view, light, casters and the warp's constants stand still.
-    /// What the view's receivers have done meanwhile is no matter of right and wrong, but of where texels are dense.
-    bool isDue(PassBuilder& passes, const ShadowTask& task, WarpTask& warp, const WarpTables& tables) const;
+    /// What has to be made: nothing while view, light, casters and the warp's constants stand still. What the view's
+    /// receivers do meanwhile is no matter of right and wrong, but of where texels are dense.
+    WarpDue due(PassBuilder& passes, const ShadowTask& task, WarpTask& warp, const WarpTables& tables) const;
 
     /// Passes that count receivers in the maps (shaders/warped/importance.comp); the buffer has `bytes` for each.
     BufferId declareImportance(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp,
                                VkDeviceSize bytes) const;
-    /// Draws the casters, once the tables are made.
-    void declareCasters(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp,
-                        const WarpTables& tables) const;
+    /// Draws the casters, once the tables are made: into maps that receivers were counted in, or into the others.
+    void declareCasters(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp, const WarpTables& tables,
+                        WarpDue due) const;
     /// Writes the task's layer of visibility.
     void declareLookup(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp) const;
 

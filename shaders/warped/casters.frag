@@ -28,7 +28,7 @@ float slopeBias(WarpTriangle t, uvec2 texel, vec3 at)
     uint map = warpMapOf(caster), last = uint(caster.side) - 1u;
     uvec2 right = uvec2(texel.x < last ? texel.x + 1u : max(texel.x, 1u) - 1u, texel.y);
     uvec2 below = uvec2(texel.x, texel.y < last ? texel.y + 1u : max(texel.y, 1u) - 1u);
-    return max(rise(t, at, placeOf(map, right, caster.side)), rise(t, at, placeOf(map, below, caster.side)));
+    return max(rise(t, at, texelPlace(map, right, caster.side)), rise(t, at, texelPlace(map, below, caster.side)));
 }
 
 void main()
@@ -43,7 +43,7 @@ void main()
     // The triangle is twice the rectangle.
     if (gl_FragCoord.x >= edge2AndRight.w || gl_FragCoord.y >= planeAndBelow.w) discard;
     uvec2 texel = uvec2(gl_FragCoord.xy);
-    vec3 at = askedAt(t, placeOf(warpMapOf(caster), texel, caster.side));
+    vec3 at = askedAt(t, texelPlace(warpMapOf(caster), texel, caster.side));
     float depth = DISCS ? discDepth(t, at) : triangleDepth(t, at);
     if (BIASED) depth += slopeBias(t, texel, at);
     // Depth 1 means that nothing is there. Before the near end there is nothing but 0.

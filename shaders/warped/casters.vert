@@ -28,7 +28,7 @@ WarpTriangle triangleOf(vec3 a, vec3 b, vec3 c)
 vec4 touchedTexels(vec4 box)
 {
     float side = caster.side;
-    vec4 bounds = warpedBox(warpMapOf(caster), box / side, side) * side;
+    vec4 bounds = texelBox(warpMapOf(caster), box / side, side) * side;
     const float ROUNDING = 1.0 / 64.0; // texels: tables are sums
     return clamp(vec4(ceil(bounds.xy - 0.5 - ROUNDING), floor(bounds.zw - 0.5 + ROUNDING) + 1.0), 0.0, side);
 }
@@ -37,7 +37,7 @@ void main()
 {
     uint first = uint(gl_VertexIndex) / 3u * 3u;
     WarpTriangle t = noTriangle();
-    if (isSeen(warpMapOf(caster), caster.side))
+    if (isSeen(warpMapOf(caster), caster.side) != ((caster.flags & WARP_CASTER_UNSEEN) != 0u))
         t = triangleOf(cornerOf(first), cornerOf(first + 1u), cornerOf(first + 2u));
     vec4 rect = vec4(0.0);
     if (t.box.x < t.box.z) rect = touchedTexels(t.box);

@@ -29,11 +29,10 @@ Tap tapOf(MapLookup look, PlaneReceiver r)
 }
 
 // Whether a layer shows what is looked up at a place, 0..1. Beside the map of a directional light there is no caster. A
-// layer without a map, or whose map is not seen, holds no receiver.
+// layer without a map holds no receiver.
 bool isShown(uint layer, vec2 at)
 {
-    return hasWarpMap(warp, layer) && min(at.x, at.y) >= 0.0 && max(at.x, at.y) < 1.0 &&
-           isSeen(layer, warp.base.map.side);
+    return hasWarpMap(warp, layer) && min(at.x, at.y) >= 0.0 && max(at.x, at.y) < 1.0;
 }
 
 bool isLit(uint layer, uvec2 texel, float receiver)
@@ -47,8 +46,8 @@ bool litByDisc(MapLookup look, PlaneReceiver r)
     DiscTap tap = discTap(look, warp.discs[layer], r, float(layer));
     vec2 at = tap.at / look.side;
     if (!isShown(layer, at)) return true;
-    uvec2 texel = texelOf(layer, at, look.side);
-    return isLit(layer, texel, tapDepth(tap, placeOf(layer, texel, look.side)));
+    uvec2 texel = texelAt(layer, at, look.side);
+    return isLit(layer, texel, tapDepth(tap, texelPlace(layer, texel, look.side)));
 }
 
 bool litByMap(MapLookup look, PlaneReceiver r)
@@ -57,8 +56,8 @@ bool litByMap(MapLookup look, PlaneReceiver r)
     uint layer = uint(tap.layer);
     vec2 at = tap.at * tap.inverseSide;
     if (!isShown(layer, at)) return true;
-    uvec2 texel = texelOf(layer, at, look.side);
-    return isLit(layer, texel, tapDepth(tap, placeOf(layer, texel, look.side)));
+    uvec2 texel = texelAt(layer, at, look.side);
+    return isLit(layer, texel, tapDepth(tap, texelPlace(layer, texel, look.side)));
 }
 
 void main()

@@ -15,6 +15,7 @@ GN_SHARED_BEGIN
 GN_SHARED_CONST uint WARP_CASTER_PERSPECTIVE = 1u;
 GN_SHARED_CONST uint WARP_CASTER_BACK_ONLY = 2u; // only faces turned away from the light
 GN_SHARED_CONST uint WARP_CASTER_MIRRORED = 4u;  // the winding is reversed
+GN_SHARED_CONST uint WARP_CASTER_UNSEEN = 8u;    // drawn into a map that no receiver was counted in, and into no other
 
 GN_SHARED_CONST uint WARP_CASTER_MAP_SHIFT = 8u; // and above: the map that is drawn
 
