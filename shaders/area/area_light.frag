@@ -44,7 +44,7 @@ float pointVisibility(PlaneReceiver r, uint i)
     r.fromLight = points[i].eyeFromLight.xyz + r.w * r.ray;
     r.facing = dot(r.normalWs, r.fromLight * points[i].positional + points[i].axisWs.xyz);
     vec4 clip = points[i].clipOfEye + r.w * (points[i].clipFromRay * vec4(r.ray, 0.0));
-    if (r.facing >= 0.0) return 0.0;
+    if (!(r.facing < 0.0)) return 0.0;
     if (clip.w <= 0.0) return 1.0; // behind the point, where no caster is drawn
     vec2 normalPerTexel = vec2(dot(r.normalWs, points[i].texelDx.xyz), dot(r.normalWs, points[i].texelDy.xyz));
     Tap tap = planarTap(points[i], r, clip, normalPerTexel, float(i));

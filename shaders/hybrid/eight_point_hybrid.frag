@@ -34,7 +34,7 @@ float voteOf(uint i, PlaneReceiver r)
     vec2 normalPerTexel = vec2(dot(r.normalWs, look.texelDx.xyz), dot(r.normalWs, look.texelDy.xyz));
     Tap tap = planarTap(look, r, clip, normalPerTexel, float(i));
     bool beside = clip.w <= 0.0 || any(lessThan(tap.at, vec2(1.0))) || any(greaterThan(tap.at, vec2(look.side - 1.0)));
-    return r.facing >= 0.0 || (beside && look.positional != 0.0) ? 0.5 : verdict(tap, 0);
+    return !(r.facing < 0.0) || (beside && look.positional != 0.0) ? 0.5 : verdict(tap, 0);
 }
 
 // What all points say; 0.5 where they do not agree, and where there is nothing to say. Decided pixels are skipped and the

@@ -21,7 +21,7 @@ PlaneReceiver seenByLight(MapLookup look, PlaneReceiver r, bool exists)
     r.offset = look.offset.x + r.w * (look.offset.y + r.w * look.offset.z);
     r.facing = dot(r.normalWs, r.fromLight * look.positional + look.axisWs.xyz);
     bool reached = exists && reaches(r.fromLight, look.cone, look.eyeFromLight.w);
-    r.decided = !reached || r.facing >= 0.0;
+    r.decided = !reached || !(r.facing < 0.0); // nor does a normal that is no number
     r.visibility = reached ? 0.0 : 1.0;
     return r;
 }

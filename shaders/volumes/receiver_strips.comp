@@ -28,8 +28,10 @@ vec4 addFour(ViewConstants here, DepthLift lift, inout ReceiverTile strip, inout
     vec4 lifted = depth;
     vec3 direction = here.rayDepthWs.xyz / max(length(here.rayDepthWs.xyz), 1e-30); // orthographic, else 0
     vec3 normals[FOUR];
-    for (int i = 0; i < int(FOUR); ++i)
-        normals[i] = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
+    for (int i = 0; i < int(FOUR); ++i) {
+        vec3 held = texelFetch(normalImage, ivec2(min(pixel.x + i, end - 1), pixel.y), 0).xyz;
+        normals[i] = any(isnan(held)) ? vec3(0.0) : held; // it faces no light; least and greatest pass over NaN
+    }
     float least = 1e38, most = -1e38; // of the depth values
     for (int i = 0; i < int(FOUR); ++i) {
         int x = pixel.x + i;

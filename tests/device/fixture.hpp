@@ -80,7 +80,9 @@ struct FrameOptions {
     const std::vector<GnLight>* lights = nullptr;            ///< Null: those present.
     bool drop = false;                                       ///< Recorded only: withdrawn, never submitted.
     std::optional<float> outside; ///< Depth value beside the area; what lies there has no normal that is a number.
-    std::function<void(demo::CameraMatrices&)> lens;                     ///< Before they are drawn with.
+    std::optional<std::pair<VkRect2D, float>>
+        normals;                                     ///< Pixels, and what all components of their normals are instead.
+    std::function<void(demo::CameraMatrices&)> lens; ///< Before they are drawn with.
     std::function<void(GnFrameInfo&, std::vector<GnViewFrame>&)> adjust; ///< Before the call.
     std::function<void(VkCommandBuffer, bool begins)> around; ///< Recorded only: before and after gnomon's commands.
     size_t (*counter)() noexcept = nullptr;                   ///< Read before and after the call; see Host::counted.

@@ -142,6 +142,13 @@ void Host::drawSurface(VkCommandBuffer cmd, uint32_t view, const CameraMatrices&
         const MeshRange& mesh = geometry_.meshes[scene.instances[i].mesh];
         vkCmdDrawIndexed(cmd, mesh.indexCount, 1, mesh.firstIndex, mesh.vertexOffset, 0);
     }
+    if (options.normals) {
+        const float is = options.normals->second;
+        const VkClearAttachment normals{
+            .aspectMask = VK_IMAGE_ASPECT_COLOR_BIT, .colorAttachment = 0, .clearValue = {.color = {{is, is, is, is}}}};
+        const VkClearRect rect{options.normals->first, 0, 1};
+        vkCmdClearAttachments(cmd, 1, &normals, 1, &rect);
+    }
     vkCmdEndRendering(cmd);
     const VkImageMemoryBarrier2 after[] = {
         imageBarrier(surface.depth.get(), aspects, kDepthAttachment, kAnyRead),
