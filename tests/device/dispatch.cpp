@@ -1,6 +1,7 @@
 #include "device/dispatch.hpp"
 
 #include <array>
+#include <set>
 
 #include "demo/host/pipelines.hpp"
 
@@ -13,22 +14,63 @@ VkDescriptorType typeOf(uint32_t binding)
     return binding == 0 ? VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER : VK_DESCRIPTOR_TYPE_STORAGE_BUFFER;
 }
 
+constexpr demo::Access kFetched{VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT, VK_ACCESS_2_SHADER_SAMPLED_READ_BIT,
+                                VK_IMAGE_LAYOUT_GENERAL};
+
+demo::Image imageOf(VkCommandBuffer cmd, const Sampled& sampled)
+{
+    demo::Image image =
+        demo::makeImage(device(), {.format = sampled.format,
+                                   .extent = sampled.extent,
+                                   .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT});
+    constexpr demo::Access kCopied{VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                   VK_IMAGE_LAYOUT_GENERAL};
+    constexpr VkImageAspectFlags kColour = VK_IMAGE_ASPECT_COLOR_BIT;
+    demo::cmdBarrier(cmd, std::array{demo::imageBarrier(image.get(), kColour, {}, kCopied)});
+    const VkBufferImageCopy region{.imageSubresource = {kColour, 0, 0, 1},
+                                   .imageExtent = {sampled.extent.width, sampled.extent.height, 1}};
+    vkCmdCopyBufferToImage(cmd, sampled.texels->get(), image.get(), kCopied.layout, 1, &region);
+    demo::cmdBarrier(cmd, std::array{demo::imageBarrier(image.get(), kColour, kCopied, kFetched)});
+    return image;
+}
+
+demo::UniqueSampler nearest()
+{
+    const VkSamplerCreateInfo info{.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    VkSampler sampler = VK_NULL_HANDLE;
+    demo::vkCheck(vkCreateSampler(device().handle, &info, nullptr, &sampler), "vkCreateSampler");
+    return {device().handle, sampler};
+}
+
 } // namespace
 
 void run(const std::vector<Dispatch>& dispatches)
 {
     const demo::Device& gpu = device();
     std::vector<VkDescriptorSetLayoutBinding> bindings;
+    uint32_t imageCount = 0;
+    std::set<uint32_t> images;
+    for (const Dispatch& dispatch : dispatches)
+        for (const Sampled& sampled : dispatch.images) {
+            ++imageCount;
+            images.insert(sampled.binding);
+        }
     for (const uint32_t binding : {0u, 1u, 2u, 5u})
-        bindings.push_back({binding, typeOf(binding), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+        if (!images.contains(binding))
+            bindings.push_back({binding, typeOf(binding), 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+    for (const uint32_t binding : images)
+        bindings.push_back(
+            {binding, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
     const demo::UniqueSetLayout setLayout = demo::makeSetLayout(gpu, bindings);
     const demo::UniquePipelineLayout layout =
         demo::makePipelineLayout(gpu, std::array{setLayout.get()}, 0, VK_SHADER_STAGE_COMPUTE_BIT);
     const auto count = static_cast<uint32_t>(dispatches.size());
-    const VkDescriptorPoolSize sizes[] = {{typeOf(0), count}, {typeOf(1), 3 * count}};
+    const VkDescriptorPoolSize sizes[] = {{typeOf(0), count},
+                                          {typeOf(1), 3 * count},
+                                          {VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, imageCount * count + 1}};
     const VkDescriptorPoolCreateInfo poolInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                               .maxSets = count,
-                                              .poolSizeCount = 2,
+                                              .poolSizeCount = 3,
                                               .pPoolSizes = sizes};
     VkDescriptorPool poolHandle = VK_NULL_HANDLE;
     demo::vkCheck(vkCreateDescriptorPool(gpu.handle, &poolInfo, nullptr, &poolHandle), "vkCreateDescriptorPool");
@@ -46,6 +88,8 @@ void run(const std::vector<Dispatch>& dispatches)
     const VkCommandBufferBeginInfo begin{.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     demo::vkCheck(vkBeginCommandBuffer(cmd, &begin), "vkBeginCommandBuffer");
     std::vector<demo::UniquePipeline> pipelines;
+    std::vector<demo::Image> held;
+    const demo::UniqueSampler sampler = nearest();
     for (const Dispatch& dispatch : dispatches) {
         const VkDescriptorSetLayout setLayouts[] = {setLayout.get()};
         const VkDescriptorSetAllocateInfo setInfo{.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
@@ -62,6 +106,17 @@ void run(const std::vector<Dispatch>& dispatches)
                                              .descriptorCount = 1,
                                              .descriptorType = typeOf(binding),
                                              .pBufferInfo = &range};
+            vkUpdateDescriptorSets(gpu.handle, 1, &write, 0, nullptr);
+        }
+        for (const Sampled& sampled : dispatch.images) {
+            held.push_back(imageOf(cmd, sampled));
+            const VkDescriptorImageInfo image{sampler.get(), held.back().view.get(), kFetched.layout};
+            const VkWriteDescriptorSet write{.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+                                             .dstSet = set,
+                                             .dstBinding = sampled.binding,
+                                             .descriptorCount = 1,
+                                             .descriptorType = VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER,
+                                             .pImageInfo = &image};
             vkUpdateDescriptorSets(gpu.handle, 1, &write, 0, nullptr);
         }
         pipelines.push_back(demo::makeComputePipeline(gpu, dispatch.code, layout.get()));
