@@ -16,9 +16,6 @@
 namespace gnomon {
 namespace {
 
-// Triangles that a frame builds beside all else it does; more is spread over frames, so that many new meshes are no
-// hitch. An estimate: build rates have not been measured on a GPU.
-constexpr std::uint32_t kBuiltPerFrame = 1u << 18;
 // Refits until a structure is built anew: boxes of what has moved apart grow with every one. An estimate: half a second
 // at 60 Hz.
 constexpr std::uint64_t kRefits = 32;
@@ -132,6 +129,7 @@ void DeviceRays::begin()
     ++turn_;
     needed_.clear();
     wanted_.clear();
+    promised_ = building_ = 0;
     declared_ = tried_ = false;
 }
 
@@ -160,30 +158,43 @@ bool DeviceRays::isBuilt(const PassBuilder& passes, const Caster& caster) const
            (structure.compactStamp == content && passes.holds(structure.compact(mesh.id), content));
 }
 
+/// Lights share casters: each is looked up once a turn.
+bool DeviceRays::isMissing(const PassBuilder& passes, const Caster& caster)
+{
+    if (caster.index >= checked_.size()) checked_.resize(std::bit_ceil(std::size_t{caster.index} + 1));
+    Checked& known = checked_[caster.index];
+    if (known.turn != turn_) known = {turn_, castsDeviceRays(caster) && !isBuilt(passes, caster)};
+    return known.missing;
+}
+
 UnbuiltCasters::Part DeviceRays::count(const PassBuilder& passes, std::span<const Caster* const> casters,
-                                       std::uint64_t stamp) const
+                                       std::uint64_t stamp)
 {
     UnbuiltCasters::Part part{.stamp = stamp};
     for (const Caster* caster : casters) {
-        if (!castsDeviceRays(*caster) || isBuilt(passes, *caster)) continue;
+        if (!isMissing(passes, *caster)) continue;
         ++part.casters;
         part.triangles += caster->mesh->triangleCount();
     }
     return part;
 }
 
-std::uint32_t DeviceRays::unbuilt(const PassBuilder& passes, const LightCasters& casters, UnbuiltCasters& known) const
+std::uint32_t DeviceRays::unbuilt(const PassBuilder& passes, const LightCasters& casters, UnbuiltCasters& known)
 {
-    if (inFrame_ || casters.triangles <= kBuiltPerFrame) return 0;
+    if (inFrame_) return 0;
+    if (known.turn == turn_) return known.answer; // in another view
     const std::uint64_t asOf = mixed(mixed(kEmptyHash, builtAnew_), passes.structureLosses());
     const bool same = known.asOf == asOf;
     known.asOf = asOf;
+    known.turn = turn_;
     if (!same || known.statics.stamp != casters.staticStamp)
         known.statics = count(passes, casters.statics, casters.staticStamp);
     if (!same || known.dynamics.stamp != casters.dynamicStamp)
         known.dynamics = count(passes, casters.dynamics, casters.dynamicStamp);
-    const bool tooMany = known.statics.triangles + known.dynamics.triangles > kBuiltPerFrame;
-    return tooMany ? known.statics.casters + known.dynamics.casters : 0;
+    const std::uint64_t triangles = known.statics.triangles + known.dynamics.triangles;
+    const bool fits = promised_ + triangles <= kBuiltPerFrame;
+    if (fits) promised_ += triangles;
+    return known.answer = fits ? 0 : known.statics.casters + known.dynamics.casters;
 }
 
 bool DeviceRays::isNeeded(const Caster& caster) const
@@ -248,13 +259,10 @@ void DeviceRays::declareWanted(PassBuilder& passes)
     compactions_.clear();
     asked_.clear();
     scene_.order = passes.persistent(BufferInfo{.name = "rays.order", .scope = Scope::scene});
-    std::uint64_t triangles = 0;
     for (const Caster* caster : wanted_) {
-        const bool fits = builds_.empty() || triangles + caster->mesh->triangleCount() <= kBuiltPerFrame;
+        const bool fits = building_ == 0 || building_ + caster->mesh->triangleCount() <= kBuiltPerFrame;
         if (!fits && !isBuilt(passes, *caster)) continue;
-        const std::size_t before = builds_.size();
         if (!declareMesh(passes, *caster->mesh)) return forgetTurn();
-        if (builds_.size() != before) triangles += caster->mesh->triangleCount();
     }
     if (!declareBuilds(passes, 1)) return forgetTurn();
     declareSizes(passes, 1);
@@ -301,6 +309,7 @@ bool DeviceRays::declareMesh(PassBuilder& passes, const MeshView& mesh)
                        .sizeQuery = query});
     ++builtEver_;
     builtAnew_ += !refit;
+    if (!refit) building_ += mesh.triangleCount();
     return true;
 }
 

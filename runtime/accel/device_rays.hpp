@@ -20,6 +20,8 @@ struct UnbuiltCasters {
     };
     Part statics, dynamics;
     std::uint64_t asOf = 0; ///< Of structures built and lost.
+    std::uint64_t turn = 0; ///< Of the newest answer.
+    std::uint32_t answer = 0;
 };
 
 /// A structure for each mesh and a top level over the casters of the lights that trace. All are persistent buffers of
@@ -35,9 +37,17 @@ public:
     /// A frame begins, or is tried again.
     void begin();
 
+    /// Triangles that a frame builds beside all else it does; more is spread over frames. 2 ms at 131 million a second.
+    /// 2 ms is what a frame's builds are to take at most by A. Dunn, "Tips and Tricks: Ray Tracing Best Practices"
+    /// (NVIDIA, 2019). A GPU of 2013 made almost 40 million triangles a second into trees of high quality (T. Karras
+    /// and T. Aila, "Fast Parallel Construction of High-Quality Bounding Volume Hierarchies", HPG 2013): 7 ms there.
+    /// Builds of drivers have not been measured on a GPU.
+    static constexpr std::uint32_t kBuiltPerFrame = 1u << 18;
+
     /// How many of a light's casters have to be built before it can be traced; 0: what is missing, the frame builds.
+    /// That takes of kBuiltPerFrame, so the lights of a frame are asked in the order in which they may have it.
     /// @param known of the same light, from frame to frame
-    std::uint32_t unbuilt(const PassBuilder& passes, const LightCasters& casters, UnbuiltCasters& known) const;
+    std::uint32_t unbuilt(const PassBuilder& passes, const LightCasters& casters, UnbuiltCasters& known);
     /// The frame traces these. Before declare().
     void need(const LightCasters& casters);
     /// They are to be traced soon.
@@ -79,9 +89,14 @@ private:
     };
     /// Stamp of a mesh's structure: a copy on the CPU that has arrived may number triangles anew, at the same revision.
     static std::uint64_t contentOf(const MeshView& mesh);
+    /// What is known of a caster in one turn.
+    struct Checked {
+        std::uint64_t turn = 0;
+        bool missing = false;
+    };
     bool isBuilt(const PassBuilder& passes, const Caster& caster) const;
-    UnbuiltCasters::Part count(const PassBuilder& passes, std::span<const Caster* const> casters,
-                               std::uint64_t stamp) const;
+    bool isMissing(const PassBuilder& passes, const Caster& caster);
+    UnbuiltCasters::Part count(const PassBuilder& passes, std::span<const Caster* const> casters, std::uint64_t stamp);
     bool isNeeded(const Caster& caster) const;
     void findSizes(MeshStructure& structure, const MeshView& mesh) const;
     void findTopSizes(std::uint32_t instances);
@@ -98,9 +113,12 @@ private:
 
     const DeviceTable& vk_;
     bool inFrame_;
-    std::uint64_t turn_ = 0;                                  ///< Counts begin().
-    std::uint64_t builtEver_ = 0;                             ///< Structures of meshes, refits and copies, too.
-    std::uint64_t builtAnew_ = 0;                             ///< Without these.
+    std::uint64_t turn_ = 0;       ///< Counts begin().
+    std::uint64_t builtEver_ = 0;  ///< Structures of meshes, refits and copies, too.
+    std::uint64_t builtAnew_ = 0;  ///< Without these.
+    std::uint64_t promised_ = 0;   ///< Triangles of this turn, to lights that unbuilt() lets.
+    std::uint64_t building_ = 0;   ///< Triangles of this turn, refits not counted.
+    std::vector<Checked> checked_; ///< By Caster::index.
     std::unordered_map<std::uint32_t, MeshStructure> meshes_; ///< By MeshView::id.
     std::size_t forgetAt_ = 64;                               ///< As many of these.
     std::vector<std::uint64_t> neededIn_;                     ///< By Caster::index: the newest turn.

@@ -78,12 +78,6 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
                                  .maps = mapsOf(light.type)});
 }
 
-/// How many casters the device has to build before it can trace the light.
-std::uint32_t unbuiltOf(const LightCasters& casters, LightState& state, const FactsParts& parts)
-{
-    return parts.rays ? parts.rays->unbuilt(PassBuilder(parts.graph), casters, state.unbuilt) : 0;
-}
-
 void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const FactsParts& parts)
 {
     const ViewFrame& viewFrame = frame.views[index];
@@ -118,7 +112,6 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .recorded = frame.mode == FrameMode::recorded,
                                           .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
                                           .still = state.motion.rests(),
-                                          .unbuilt = unbuiltOf(casters, state, parts),
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
     }
@@ -204,6 +197,23 @@ void settleSides(Frame& frame, const FactsParts& parts)
     }
 }
 
+/// How many casters the device has to build before it can trace a light. What a frame builds goes to lights that are
+/// traced already before it goes to others.
+void measureUnbuilt(Frame& frame, const FactsParts& parts)
+{
+    std::uint64_t most = 0; // most often it fits whatever is built
+    for (const ViewLight& light : frame.lights)
+        most += light.casters->triangles;
+    if (!parts.rays || most <= DeviceRays::kBuiltPerFrame) return;
+    for (const bool traced : {true, false})
+        for (ViewLight& light : frame.lights) {
+            const std::uint32_t incumbent = light.memory->incumbent;
+            if (traced != (incumbent < parts.methods.size() && parts.methods[incumbent].has(GN_TRAIT_DEVICE_RAYS_BIT)))
+                continue;
+            light.facts.unbuilt = parts.rays->unbuilt(PassBuilder(parts.graph), *light.casters, light.state->unbuilt);
+        }
+}
+
 } // namespace
 
 void measureFacts(Frame& frame, std::span<const GnViewFrame> given, const FactsParts& parts)
@@ -211,6 +221,7 @@ void measureFacts(Frame& frame, std::span<const GnViewFrame> given, const FactsP
     for (std::uint32_t i = 0; i < given.size(); ++i)
         measureView(frame, i, given[i], parts);
     settleSides(frame, parts);
+    measureUnbuilt(frame, parts);
 }
 
 } // namespace gnomon

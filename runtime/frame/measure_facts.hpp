@@ -20,7 +20,7 @@ struct FactsParts {
     std::uint64_t completedFrame = 0;
     double cheapestShare = 0.0; ///< Of the budget, as the last frame's plan has it.
     double frameRate = 0.0;
-    const DeviceRays* rays = nullptr; ///< Null where the device traces none.
+    DeviceRays* rays = nullptr; ///< Null where the device traces none.
 };
 
 /// Second stage: fills Frame::lights, and declares the depth grids that are due. @param given one for each of

@@ -20,10 +20,11 @@ constexpr std::uint32_t kMany = 200'000; ///< Triangles: two such meshes are mor
 
 /// Casters of one light, each with a mesh of its own.
 struct Casters {
-    explicit Casters(std::vector<std::uint32_t> triangles)
+    /// @param first number of casters and meshes
+    explicit Casters(std::vector<std::uint32_t> triangles, std::uint32_t first = 0)
     {
         for (const std::uint32_t count : triangles) {
-            const auto number = static_cast<std::uint32_t>(meshes.size());
+            const auto number = first + static_cast<std::uint32_t>(meshes.size());
             indices.emplace_back(3 * count);
             MeshView& mesh = meshes.emplace_back();
             mesh.id = number + 1;
@@ -162,6 +163,37 @@ TEST_CASE("of large meshes a frame builds some, and the light waits until the re
     CHECK(frames.runs("rays.top_level"));
 }
 
+TEST_CASE("what a frame builds is shared by its lights, and none is counted twice")
+{
+    Frames frames(false);
+    const Casters first({kMany}), second({kMany}, 1), small({kMany / 4}, 2);
+    UnbuiltCasters ofFirst, ofSecond, ofSmall;
+    const auto unbuilt = [&](const Casters& scene, UnbuiltCasters& known) {
+        return frames.rays.unbuilt(frames.passes, scene.light, known);
+    };
+    frames.begin();
+    for (int view = 0; view < 2; ++view) {
+        CHECK(unbuilt(first, ofFirst) == 0);
+        CHECK(unbuilt(second, ofSecond) == 1);
+        CHECK(unbuilt(small, ofSmall) == 0);
+    }
+    frames.rays.need(small.light);
+    frames.rays.want(second.light);
+    REQUIRE(frames.trace(first.light));
+    const std::size_t built = frames.stub.live("structure");
+    frames.graph.beginTask({}, nullptr, {}, {});
+    frames.rays.declareWanted(frames.passes); // beside what is needed there is no room
+    CHECK_FALSE(frames.graph.endTask().has_value());
+    CHECK(built == 3); // two meshes and the top level
+    CHECK(frames.stub.live("structure") == built);
+    frames.begin();
+    CHECK(unbuilt(first, ofFirst) == 0); // takes nothing: it is built
+    CHECK(unbuilt(second, ofSecond) == 0);
+    frames.rays.need(first.light);
+    REQUIRE(frames.trace(second.light));
+    CHECK(frames.stub.live("structure") == built + 1);
+}
+
 TEST_CASE("whatever call fails, the light's task fails, and the next frame has all of it")
 {
     std::size_t failures = 0;
@@ -227,12 +259,14 @@ TEST_CASE("what a dropped frame would have built is not built")
     REQUIRE(frames.trace(scene.light));
     CHECK(frames.unbuilt(scene.light) == 0);
     frames.pool.withdraw(frames.frame--);
+    frames.rays.begin();
     CHECK(frames.unbuilt(scene.light) == 2);
     frames.begin();
     REQUIRE(frames.trace(scene.light));
     frames.begin();
     CHECK(frames.unbuilt(scene.light) == 0);
     frames.pool.lose(frames.frame - 1); // the same of a frame before the newest
+    frames.rays.begin();
     CHECK(frames.unbuilt(scene.light) == 2);
 }
 
@@ -256,6 +290,7 @@ TEST_CASE("casters are counted again when they or the structures change, and not
     CHECK(frames.unbuilt(scene.light) == 0); // one alone may be built by the frame
     scene.meshes[1].revision = 101;
     scene.light.staticStamp = 3;
+    frames.rays.begin();
     CHECK(frames.unbuilt(scene.light) == 2);
 }
 
