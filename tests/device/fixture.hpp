@@ -215,6 +215,9 @@ size_t dark(const Image8& picture);
 size_t lit(const Image8& picture);
 /// Methods this build and device can run, in registry order.
 std::vector<GnMethodInfo> availableMethods(GnContext context);
+/// Whether methods trace on the device. Fails the test where one cannot although the driver lists what they need: tests
+/// that end early on devices without ray queries would not notice that they are gone.
+bool tracesRays(GnContext context);
 std::string shippedRules(const char* name);
 bool serves(const GnMethodInfo& method, demo::LightKind kind);
 /// Has a map whose side is a setting.

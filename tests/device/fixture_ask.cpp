@@ -1,5 +1,6 @@
 // What tests ask about a frame, and the scenes they make by hand.
 #include <algorithm>
+#include <array>
 
 #include "device/fixture.hpp"
 #include "rules/yaml/shipped.hpp"
@@ -65,12 +66,22 @@ uint32_t Host::passCount(const std::string& name) const
         std::count_if(all.begin(), all.end(), [&](const GnPassTiming& pass) { return name == pass.pName; }));
 }
 
-void Host::fixMapSides()
+namespace {
+
+std::vector<GnMethodInfo> allMethods(GnContext context)
 {
     uint32_t count = 0;
-    require(gnEnumerateMethods(context, &count, nullptr));
+    REQUIRE(gnEnumerateMethods(context, &count, nullptr) == GN_SUCCESS);
     std::vector<GnMethodInfo> methods(count);
-    require(gnEnumerateMethods(context, &count, methods.data()));
+    REQUIRE(gnEnumerateMethods(context, &count, methods.data()) == GN_SUCCESS);
+    return methods;
+}
+
+} // namespace
+
+void Host::fixMapSides()
+{
+    const std::vector<GnMethodInfo> methods = allMethods(context);
     for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
         for (const SettingSpec& setting : algorithm.entry->settings)
             for (const GnMethodInfo& method : methods)
@@ -174,12 +185,32 @@ size_t lit(const Image8& picture)
 
 std::vector<GnMethodInfo> availableMethods(GnContext context)
 {
-    uint32_t count = 0;
-    REQUIRE(gnEnumerateMethods(context, &count, nullptr) == GN_SUCCESS);
-    std::vector<GnMethodInfo> methods(count);
-    REQUIRE(gnEnumerateMethods(context, &count, methods.data()) == GN_SUCCESS);
+    std::vector<GnMethodInfo> methods = allMethods(context);
     std::erase_if(methods, [](const GnMethodInfo& method) { return method.pUnavailable != nullptr; });
     return methods;
+}
+
+bool tracesRays(GnContext context)
+{
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(device().physicalDevice, nullptr, &count, nullptr);
+    std::vector<VkExtensionProperties> listed(count);
+    vkEnumerateDeviceExtensionProperties(device().physicalDevice, nullptr, &count, listed.data());
+    const bool given = std::ranges::all_of(
+        std::array{VK_KHR_RAY_QUERY_EXTENSION_NAME, VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME},
+        [&](std::string_view name) {
+            return std::ranges::any_of(listed, [&](const auto& each) { return name == each.extensionName; });
+        });
+    size_t methods = 0, able = 0;
+    for (const GnMethodInfo& method : allMethods(context)) {
+        if ((method.traits & GN_TRAIT_DEVICE_RAYS_BIT) == 0) continue;
+        ++methods;
+        able += method.pUnavailable == nullptr;
+        if (method.pUnavailable) MESSAGE(method.pName << ": " << method.pUnavailable);
+    }
+    REQUIRE(methods > 0);
+    CHECK(able == (given ? methods : 0));
+    return able > 0;
 }
 
 std::string shippedRules(const char* name)

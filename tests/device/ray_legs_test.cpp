@@ -56,9 +56,10 @@ struct Legs {
 
 bool hasTwo(const Host& host)
 {
-    if (methodOf(host, "pcf_hybrid").roundTrips == 0) return true;
-    MESSAGE("the device has no ray queries");
-    return false;
+    if (!tracesRays(host.context)) return false;
+    for (const char* name : kMethods)
+        REQUIRE(methodOf(host, name).roundTrips == 0);
+    return true;
 }
 
 std::vector<Image8> drawn(Host& host, const char* method, const FrameOptions& options = {})

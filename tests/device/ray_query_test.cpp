@@ -28,10 +28,7 @@ std::string unavailable(GnContext context)
 /// Tests of the method end here on devices without.
 bool canTrace()
 {
-    const Host host(smallScene(), {.warmUp = false});
-    const std::string why = unavailable(host.context);
-    if (!why.empty()) MESSAGE(why);
-    return why.empty();
+    return tracesRays(Host(smallScene(), {.warmUp = false}).context);
 }
 
 demo::Mesh ballOf(uint32_t frame)
@@ -154,6 +151,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a host that leaves out what rays on the device ne
     const Host none(smallScene(),
                     {.warmUp = false, .context = [](GnContextCreateInfo& info) { info.enabledExtensionCount = 0; }});
     CHECK(unavailable(none.context) == "needs VK_KHR_acceleration_structure");
+    CHECK(tracesRays(all.context) == given.empty());
     if (!given.empty()) {
         CHECK(given == "needs VK_KHR_acceleration_structure"); // of a driver without
         return;
@@ -277,6 +275,36 @@ TEST_CASE_FIXTURE(DeviceTest, "large meshes are built over several frames, which
     CHECK(dark(host.pictures()[0]) > 500);
 }
 
+TEST_CASE_FIXTURE(DeviceTest,
+                  "two lights that each want as much built as fits a frame are traced one frame after the other")
+{
+    if (!canTrace()) return;
+    Scene scene = smallScene();
+    for (const size_t mesh : {kBall, size_t{2}}) {
+        const std::string name = scene.meshes[mesh].name;
+        scene.meshes[mesh] = demo::makeSphere({.radius = 0.7f, .slices = 512, .stacks = 200}); // 204 000 triangles
+        scene.meshes[mesh].name = name;
+    }
+    scene.lights.clear(); // each has one of them in its cone
+    for (const size_t each : {size_t{1}, size_t{2}}) {
+        const glm::dvec3 at = scene.instances[each].pose.position;
+        scene.lights.push_back(spotLight(each == 1 ? "left" : "right", at + glm::dvec3(0.0, 5.0, 0.0), at, true));
+        scene.lights.back().outerAngle = 0.2f;
+        scene.lights.back().innerAngle = 0.15f;
+    }
+    Host host(scene, {.flags = 0});
+    host.pinAll(kTraced);
+    host.require(host.draw());
+    CHECK(host.decision(0).reason == GN_REASON_PINNED);
+    CHECK(host.decision(1).reason != GN_REASON_PINNED);
+    CHECK(host.explanation(1).find("casters that the device has not built yet") != std::string::npos);
+    host.require(host.draw());
+    for (size_t light = 0; light < 2; ++light)
+        CHECK(host.decision(light).reason == GN_REASON_PINNED);
+    CHECK(dark(host.pictures()[0]) > 100);
+    CHECK(differences(host.pictures(), drawn(host, "ray_traced")) <= 2);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "a light whose casters' structures have no room is served by another method")
 {
     if (!canTrace()) return;
@@ -318,4 +346,78 @@ TEST_CASE_FIXTURE(DeviceTest, "structures of meshes that stand still give back w
     CHECK(100 * bottomBytes() < 51 * built); // half, and what sizes are rounded up by
     CHECK(differences(first, drawn(host, kTraced)) == 0);
     CHECK(host.passCount("rays.meshes") == 0);
+}
+
+namespace {
+
+/// The sun straight above a floor and a lattice of triangles of 1/8 m between them, and a camera straight above them,
+/// without perspective. Its pixels are 1/16 m wide, and their centres lie above corners, and in the middle of edges
+/// along both axes and along the diagonal: all numbers are multiples of powers of two.
+struct Lattice {
+    static constexpr VkExtent2D kExtent{128, 64};
+    static constexpr uint32_t kCells = 128; ///< Along a side of 16 m.
+
+    static Scene scene(bool hole)
+    {
+        Scene scene = smallScene();
+        demo::Mesh lattice = demo::makePlane({.width = 16.0f, .depth = 16.0f, .columns = kCells, .rows = kCells});
+        lattice.name = scene.meshes[kBall].name;
+        if (hole) { // the two triangles of a cell in the middle of the picture
+            const auto at = lattice.indices.begin() + 6 * (kCells / 2 * kCells + kCells / 2);
+            lattice.indices.erase(at, at + 6);
+        }
+        scene.meshes[kBall] = std::move(lattice);
+        scene.instances.resize(2);
+        scene.instances[kBall].pose = {};
+        scene.instances[kBall].pose.position = {1.0 / 32.0, 2.0, 1.0 / 32.0};
+        demo::Light& sun = scene.lights[0];
+        sun.kind = demo::LightKind::Directional;
+        sun.direction = {0.0, -1.0, 0.0};
+        sun.range = sun.innerAngle = sun.outerAngle = 0.0f;
+        return scene;
+    }
+    /// Right is x, down is z.
+    static void lookDown(demo::CameraMatrices& camera)
+    {
+        constexpr float nearPlane = 1.0f, farPlane = 31.0f;
+        camera.eye = {0.0, 8.0, 0.0};
+        camera.viewFromWorld = glm::mat3(1, 0, 0, 0, 0, 1, 0, -1, 0); // columns
+        glm::mat4& p = camera.projection;
+        p = glm::mat4(0.0f);
+        p[0][0] = 2.0f / 8.0f;
+        p[1][1] = -2.0f / 4.0f;
+        p[2][2] = 1.0f / (farPlane - nearPlane);
+        p[3][2] = farPlane / (farPlane - nearPlane);
+        p[3][3] = 1.0f;
+        camera.clipFromEye = p * glm::mat4(camera.viewFromWorld);
+    }
+};
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "rays through edges and corners that triangles share are stopped by one of them")
+{
+    if (!canTrace()) return;
+    const FrameOptions above{.lens = &Lattice::lookDown, .adjust = [](GnFrameInfo&, std::vector<GnViewFrame>& views) {
+                                 views[0].depthConvention = GN_DEPTH_REVERSED;
+                             }};
+    for (const bool hole : {false, true}) {
+        Host host(Lattice::scene(hole), {.extent = Lattice::kExtent});
+        host.hide(kBall); // the camera sees the floor
+        for (const char* name : {kTraced, "ray_traced"}) {
+            CAPTURE(std::string(name));
+            for (const glm::dvec3& direction : {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.3, -1.0, -0.2)}) {
+                host.scene.lights[0].direction = glm::normalize(direction);
+                host.pinAll(name);
+                host.require(host.draw(above));
+                REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
+                const Image8 picture = host.pictures()[0];
+                const size_t through = picture.texels.size() - dark(picture);
+                CAPTURE(through);
+                CHECK(dark(picture) > 8000); // of 8192
+                // Straight through the hole goes the middle of its diagonal alone; it is four pixels large.
+                CHECK((hole ? through >= 1 && through <= 6 : through == 0));
+            }
+        }
+    }
 }

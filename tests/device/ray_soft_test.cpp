@@ -23,12 +23,7 @@ Scene wideLight()
 /// Tests of the method end here on devices without.
 bool canTrace()
 {
-    const Host host(smallScene(), {.warmUp = false});
-    const std::vector<GnMethodInfo> methods = availableMethods(host.context);
-    const bool can = std::ranges::any_of(
-        methods, [](const GnMethodInfo& method) { return std::string_view(method.pName) == kSoft; });
-    if (!can) MESSAGE("no ray queries");
-    return can;
+    return tracesRays(Host(smallScene(), {.warmUp = false}).context);
 }
 
 std::vector<Image8> drawn(Host& host, uint32_t frames, const FrameOptions& options = {})

@@ -17,10 +17,9 @@ namespace {
 constexpr const char* kSoft = "ray_soft";
 constexpr VkExtent2D kSize{160, 120};
 
-bool canTrace(const Stage& stage)
+bool canTrace(Stage& stage)
 {
-    return std::ranges::any_of(stage.methods(),
-                               [](const GnMethodInfo& method) { return std::string_view(method.pName) == kSoft; });
+    return test::tracesRays(stage.session().shadows.context());
 }
 
 struct Rmse {
