@@ -1,7 +1,8 @@
 /* Runs the C snippets of docs/integration.md, which the build collects: an engine that looks down at a floor and draws
 its depth by a clear, with dynamic rendering and with a render pass in turn, and asks for shadows by both entry points.
-The sun changes sides from frame to frame, so that an answer that was left from the frame before is seen. Exits with 77
-where there is no Vulkan device. */
+The sun changes sides from frame to frame, so that an answer that was left from the frame before is seen. In the last
+frames a crowd casts whose transforms lie in a buffer. Descriptors are written as the page does, under the validation
+layer. Exits with 77 where there is no Vulkan device. */
 #include <stdlib.h>
 
 #include "integration_page_snippets.c"
@@ -12,7 +13,7 @@ static void check(int result, const char* call)
     if (result < 0) fprintf(stderr, "%s: %d\n", call, result), exit(1);
 }
 
-enum { SIZE = 64, FRAMES = 8 };                                           /* pixels a side */
+enum { SIZE = 64, FRAMES = 8, CROWD = 2, MORE_FRAMES = 4 }; /* pixels a side; frames without and with a crowd */
 static const float kNear = 0.1f, kEyeHeight = 4.0f, kFocal = 4.0f / 1.5f; /* metres; 1.5 m of floor on each side */
 
 typedef struct Host { /* what the page leaves to the engine */
@@ -20,8 +21,14 @@ typedef struct Host { /* what the page leaves to the engine */
     VkCommandBuffer commands;
     VkRenderPass depthPass;
     VkFramebuffer framebuffer;
-    VkBuffer pixels;
+    VkBuffer pixels, rows; /* read back; transforms of the crowd */
+    VkDeviceMemory pixelMemory, rowMemory;
     const unsigned char* answer; /* `pixels`, mapped */
+    VkSampler sampler;
+    VkDescriptorSetLayout layouts[2];
+    VkDescriptorPool descriptors;
+    VkDescriptorSet sets[2]; /* of visibility, of maps */
+    uint64_t mapsRevision;
 } Host;
 
 /* Returns 0 where no device can run gnomon. */
@@ -37,6 +44,11 @@ static int start(Engine* e, Enabled* enabled)
     return 1;
 }
 
+static const float kBox[] = {-.5f, 0, 1.5f, .5f, 0, 1.5f, .5f, 1, 1.5f, -.5f, 1, 1.5f,
+                             -.5f, 0, 2.5f, .5f, 0, 2.5f, .5f, 1, 2.5f, -.5f, 1, 2.5f};
+static const uint32_t kBoxIndices[] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
+                                       3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
+
 /* A floor at y = 0, and a box that its matrix turns from z to -x and moves to x in [-3, -2], left of what the camera
 sees. */
 static void fillScene(Engine* e)
@@ -44,36 +56,88 @@ static void fillScene(Engine* e)
     static const float identity[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
     static const float turned[16] = {0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, -.5f, 0, 0, 1};
     static const float floorAt[] = {-9, 0, -9, -9, 0, 9, 9, 0, 9, 9, 0, -9};
-    static const float boxAt[] = {-.5f, 0, 1.5f, .5f, 0, 1.5f, .5f, 1, 1.5f, -.5f, 1, 1.5f,
-                                  -.5f, 0, 2.5f, .5f, 0, 2.5f, .5f, 1, 2.5f, -.5f, 1, 2.5f};
     static const uint32_t floorOf[] = {0, 1, 2, 0, 2, 3};
-    static const uint32_t boxOf[] = {0, 2, 1, 0, 3, 2, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
-                                     3, 7, 6, 3, 6, 2, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
     static const float fromTheLeft[3] = {2, -1, 0};
     GnInstance placed;
     CHECK(addCaster(e, "floor", floorAt, 4, floorOf, 6, identity, &placed));
-    CHECK(addCaster(e, "box", boxAt, 8, boxOf, 36, turned, &placed));
+    CHECK(addCaster(e, "box", kBox, 8, kBoxIndices, 36, turned, &placed));
     CHECK(addSun(e, fromTheLeft));
 }
 
-static void createPixels(Host* h, VkDeviceMemory* memory)
+static void* createMapped(const Engine* e, VkDeviceSize bytes, VkBufferUsageFlags usage, VkBuffer* buffer,
+                          VkDeviceMemory* memory)
 {
-    const VkDevice device = h->engine.device;
-    const VkBufferCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = SIZE * SIZE, .usage = VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    const VkBufferCreateInfo info = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, .size = bytes, .usage = usage};
     VkPhysicalDeviceMemoryProperties types;
     VkMemoryRequirements size;
+    void* at = NULL;
     const VkFlags mapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
-    CHECK(vkCreateBuffer(device, &info, NULL, &h->pixels));
-    vkGetPhysicalDeviceMemoryProperties(h->engine.gpu, &types);
-    vkGetBufferMemoryRequirements(device, h->pixels, &size);
+    CHECK(vkCreateBuffer(e->device, &info, NULL, buffer));
+    vkGetPhysicalDeviceMemoryProperties(e->gpu, &types);
+    vkGetBufferMemoryRequirements(e->device, *buffer, &size);
     VkMemoryAllocateInfo block = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, .allocationSize = size.size};
     while (!(size.memoryTypeBits >> block.memoryTypeIndex & 1) ||
            (types.memoryTypes[block.memoryTypeIndex].propertyFlags & mapped) != mapped)
         ++block.memoryTypeIndex;
-    CHECK(vkAllocateMemory(device, &block, NULL, memory));
-    CHECK(vkBindBufferMemory(device, h->pixels, *memory, 0));
-    CHECK(vkMapMemory(device, *memory, 0, VK_WHOLE_SIZE, 0, (void**)&h->answer));
+    CHECK(vkAllocateMemory(e->device, &block, NULL, memory));
+    CHECK(vkBindBufferMemory(e->device, *buffer, *memory, 0));
+    CHECK(vkMapMemory(e->device, *memory, 0, VK_WHOLE_SIZE, 0, &at));
+    return at;
+}
+
+/* The box once more on either side of it: z in [-1.5, -0.5] and [0.5, 1.5]. */
+static void fillCrowd(Host* h)
+{
+    static const float rows[CROWD * 12] = {0, 0, -1, -.5f, 0, 1, 0, 0, 1, 0, 0, -1,
+                                           0, 0, -1, -.5f, 0, 1, 0, 0, 1, 0, 0, 1};
+    static const float boxes[CROWD * 6] = {-3, 0, -1.5f, -2, 1, -.5f, -3, 0, .5f, -2, 1, 1.5f};
+    const GnMeshCreateInfo info = {GN_INIT(GnMeshCreateInfo), .pName = "crowd",        .pPositions = kBox,
+                                   .positionCount = 8,        .pIndices = kBoxIndices, .indexCount = 36};
+    GnMesh mesh;
+    GnInstance placed[CROWD];
+    memcpy(createMapped(&h->engine, sizeof rows, VK_BUFFER_USAGE_STORAGE_BUFFER_BIT, &h->rows, &h->rowMemory), rows,
+           sizeof rows);
+    CHECK(gnCreateMesh(h->engine.shadows, &info, &mesh));
+    CHECK(addCrowd(&h->engine, mesh, h->rows, CROWD, boxes, placed));
+}
+
+static void createSets(Host* h)
+{
+    const VkDevice device = h->engine.device;
+    const VkShaderStageFlags stage = VK_SHADER_STAGE_FRAGMENT_BIT;
+    const VkDescriptorSetLayoutBinding visibility[] = {{1, VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1, stage, NULL}};
+    const VkDescriptorSetLayoutBinding maps[] = {{1, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, SAMPLED, stage, NULL},
+                                                 {2, VK_DESCRIPTOR_TYPE_SAMPLER, 1, stage, NULL}};
+    const VkDescriptorPoolSize sizes[] = {{VK_DESCRIPTOR_TYPE_COMBINED_IMAGE_SAMPLER, 1},
+                                          {VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE, SAMPLED},
+                                          {VK_DESCRIPTOR_TYPE_SAMPLER, 1}};
+    const VkSamplerCreateInfo sampler = {.sType = VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
+    const VkDescriptorPoolCreateInfo pool = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, .maxSets = 2, .poolSizeCount = 3, .pPoolSizes = sizes};
+    VkDescriptorSetLayoutCreateInfo layout = {
+        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO, .bindingCount = 1, .pBindings = visibility};
+    CHECK(vkCreateSampler(device, &sampler, NULL, &h->sampler));
+    CHECK(vkCreateDescriptorPool(device, &pool, NULL, &h->descriptors));
+    CHECK(vkCreateDescriptorSetLayout(device, &layout, NULL, &h->layouts[0]));
+    layout.bindingCount = 2;
+    layout.pBindings = maps;
+    CHECK(vkCreateDescriptorSetLayout(device, &layout, NULL, &h->layouts[1]));
+    const VkDescriptorSetAllocateInfo sets = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
+                                              .descriptorPool = h->descriptors,
+                                              .descriptorSetCount = 2,
+                                              .pSetLayouts = h->layouts};
+    CHECK(vkAllocateDescriptorSets(device, &sets, h->sets));
+}
+
+/* Returns 0 where descriptors or constants are not those of the frame. */
+static int nameAll(Host* h, const GnVisibility* visibility)
+{
+    Engine* e = &h->engine;
+    unsigned char constants[SAMPLED * GN_SAMPLED_LIGHT_SIZE] = {0}, nothing[sizeof constants] = {0};
+    nameVisibility(e, h->sets[0], 1, h->sampler, visibility);
+    CHECK(nameSampled(e, h->sets[1], constants, &h->mapsRevision));
+    return e->revision == visibility->revision && h->mapsRevision > 0 &&
+           memcmp(constants, nothing, sizeof nothing) != 0;
 }
 
 /* Of a floor at constant distance (reversed depth: near / distance). */
@@ -135,8 +199,9 @@ static void submit(const Host* h)
     CHECK(vkQueueWaitIdle(h->engine.queue)); /* an engine waits for the frame before the last one */
 }
 
-/* Returns how many of the two pixels are wrong: one in the shadow of the box, one beside it. */
-static int drawFrame(Host* h, uint64_t frame, int byRenderPass, int recorded)
+/* Returns how many of the four pixels are wrong: in the shadow of the box, beside it, and in the crowd's, if it is
+there, on either side of the box's. */
+static int drawFrame(Host* h, uint64_t frame, int byRenderPass, int recorded, int crowd)
 {
     Engine* e = &h->engine;
     const float viewFromWorld[16] = {1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, -kEyeHeight, 1};
@@ -145,7 +210,7 @@ static int drawFrame(Host* h, uint64_t frame, int byRenderPass, int recorded)
     const VkBufferImageCopy copy = {.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                     .imageExtent = {SIZE, SIZE, 1}};
     const int fromTheLeft = (int)(frame % 2);
-    const GnLightInfo sun = {GN_INIT(GnLightInfo), .type = GN_LIGHT_TYPE_DIRECTIONAL,
+    const GnLightInfo sun = {GN_INIT(GnLightInfo), .type = GN_LIGHT_TYPE_DIRECTIONAL, .flags = GN_LIGHT_SAMPLED_BIT,
                              .direction = {fromTheLeft ? 2.0f : -2.0f, -1, 0}};
     CHECK(gnUpdateLight(e->shadows, e->sun, &sun));
 
@@ -155,6 +220,7 @@ static int drawFrame(Host* h, uint64_t frame, int byRenderPass, int recorded)
     GnVisibility visibility = {GN_INIT(GnVisibility)};
     const Submission submission = {frame, frame - 1, recorded ? h->commands : NULL, viewFromWorld, clipFromView};
     CHECK(renderShadows(e, &submission, &visibility));
+    if (!nameAll(h, &visibility)) return 4;
     if (!recorded) CHECK(vkBeginCommandBuffer(h->commands, &begin));
     visibilityBarrier(h->commands, visibility.image, VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL,
                       VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL);
@@ -163,11 +229,17 @@ static int drawFrame(Host* h, uint64_t frame, int byRenderPass, int recorded)
                       VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     submit(h);
 
-    /* From the left the shadow of the box ends at x = 0; from the right it leaves the picture alone. */
-    const unsigned char left = h->answer[SIZE / 2 * SIZE + SIZE / 4], right = h->answer[SIZE / 2 * SIZE + 3 * SIZE / 4];
-    printf("frame %d, %s, %s: visibility %d and %d\n", (int)frame, byRenderPass ? "render pass" : "dynamic rendering",
-           recorded ? "recorded" : "submitted", left, right);
-    return (fromTheLeft ? left > 63 : left < 192) + (right < 192);
+    /* From the left shadows end at x = 0; from the right they leave the picture alone. Rows are z, half a metre 11. */
+    const unsigned char *const row = h->answer + SIZE / 2 * SIZE, *const before = row - 21 * SIZE,
+                               *const after = row + 21 * SIZE;
+    const unsigned char left = row[SIZE / 4], right = row[3 * SIZE / 4];
+    printf("frame %d, %s, %s: visibility %d and %d, of the crowd %d and %d\n", (int)frame,
+           byRenderPass ? "render pass" : "dynamic rendering", recorded ? "recorded" : "submitted", left, right,
+           before[SIZE / 4], after[SIZE / 4]);
+    const int crowdDark = crowd && fromTheLeft;
+    return (fromTheLeft ? left > 63 : left < 192) + (right < 192) +
+           (crowdDark ? before[SIZE / 4] > 63 : before[SIZE / 4] < 192) +
+           (crowdDark ? after[SIZE / 4] > 63 : after[SIZE / 4] < 192);
 }
 
 int main(void)
@@ -175,13 +247,14 @@ int main(void)
     Host h = {.engine = {.size = {SIZE, SIZE}}};
     Engine* e = &h.engine;
     Enabled enabled;
-    VkDeviceMemory depthMemory, pixelMemory;
+    VkDeviceMemory depthMemory;
     if (!start(e, &enabled)) return 77;
     CHECK(createDepth(e, &depthMemory));
     CHECK(createDepthPass(e, &h.depthPass));
     CHECK(createShadows(e, &enabled));
     fillScene(e);
-    createPixels(&h, &pixelMemory);
+    createSets(&h);
+    h.answer = createMapped(e, SIZE * SIZE, VK_BUFFER_USAGE_TRANSFER_DST_BIT, &h.pixels, &h.pixelMemory);
     const VkFramebufferCreateInfo framebuffer = {.sType = VK_STRUCTURE_TYPE_FRAMEBUFFER_CREATE_INFO,
                                                  .renderPass = h.depthPass,
                                                  .attachmentCount = 1,
@@ -200,16 +273,25 @@ int main(void)
 
     int wrong = 0;
     for (uint64_t frame = 1; frame <= FRAMES; ++frame) /* every way with the sun on either side */
-        wrong += drawFrame(&h, frame, frame / 4 % 2 == 0, frame / 2 % 2 == 0);
+        wrong += drawFrame(&h, frame, frame / 4 % 2 == 0, frame / 2 % 2 == 0, 0);
+    fillCrowd(&h);
+    for (uint64_t frame = FRAMES + 1; frame <= FRAMES + MORE_FRAMES; ++frame)
+        wrong += drawFrame(&h, frame, 0, frame / 2 % 2 == 0, 1);
 
     gnDestroyContext(e->shadows);
     vkDestroyCommandPool(e->device, commands.commandPool, NULL);
     vkDestroyFramebuffer(e->device, h.framebuffer, NULL);
     vkDestroyRenderPass(e->device, h.depthPass, NULL);
+    vkDestroyDescriptorPool(e->device, h.descriptors, NULL);
+    for (int i = 0; i < 2; ++i)
+        vkDestroyDescriptorSetLayout(e->device, h.layouts[i], NULL);
+    vkDestroySampler(e->device, h.sampler, NULL);
+    vkDestroyBuffer(e->device, h.rows, NULL);
     vkDestroyBuffer(e->device, h.pixels, NULL);
     vkDestroyImageView(e->device, e->depthView, NULL);
     vkDestroyImage(e->device, e->depth, NULL);
-    vkFreeMemory(e->device, pixelMemory, NULL);
+    vkFreeMemory(e->device, h.rowMemory, NULL);
+    vkFreeMemory(e->device, h.pixelMemory, NULL);
     vkFreeMemory(e->device, depthMemory, NULL);
     vkDestroyDevice(e->device, NULL);
     vkDestroyInstance(e->instance, NULL);
