@@ -21,6 +21,8 @@ constexpr const char* kHelp =
   --budget MS                 GnFrameInfo::budgetMs; 0
   --rules FILE                a rule base; the shipped "default"
   --knowledge FILE            gnLoadKnowledge(); none
+  --hooks 0|1                 device memory from the host (GnContextCreateInfo::pfnAllocateMemory), whose blocks are
+                              counted; 0
   --warm 0|1                  gnWarmUp() before the first frame; 1
   --explain 0|1               gnExplain() of the first frame, of the last one, and where a light switches; 0
   --wrong 0|1                 the share of wrong pixels against ray_traced, at three moments after the frames; 0
@@ -66,6 +68,8 @@ void setOption(Arguments& arguments, std::string_view name, const std::string& v
         options.rulesPath = value;
     } else if (name == "--knowledge") {
         options.knowledgePath = value;
+    } else if (name == "--hooks") {
+        options.hooks = number(value) != 0;
     } else if (name == "--warm") {
         arguments.warm = number(value) != 0;
     } else if (name == "--explain") {
@@ -173,6 +177,11 @@ void runOne(const Device& device, const Arguments& arguments, const std::string&
     printPart("first frame", reports, 0, 1);
     printPart("first second", reports, 0, steady);
     printPart("steady", reports, steady, reports.size());
+    if (arguments.options.hooks) {
+        const size_t blocks = renderer.shadows().blocksGiven();
+        std::printf("memory: %zu blocks from the host\n", blocks);
+        if (blocks == 0) throw std::runtime_error("the host was not asked for memory");
+    }
     if (!arguments.csvPath.empty()) writeCsv(arguments.csvPath, reports);
     if (!arguments.picturePath.empty()) writePicture(renderer.read(), arguments.picturePath);
     if (arguments.wrong)

@@ -1,6 +1,7 @@
 #include "shadows.hpp"
 
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
@@ -44,6 +45,12 @@ Shadows::Shadows(const Device& device, const Options& options, std::span<const M
     info.pfnGetInstanceProcAddr = vkGetInstanceProcAddr;
     info.framesInFlight = kFramesInFlight;
     info.pfnMessage = printMessage;
+    if (options.hooks) {
+        heap_.device = device.device;
+        info.pUserData = &heap_;
+        info.pfnAllocateMemory = &giveMemory;
+        info.pfnFreeMemory = &takeMemory;
+    }
     STRANGER_CHECK(gnCreateContext(&info, &context_));
     try {
         if (options.rulesPath.empty()) {
@@ -66,6 +73,37 @@ Shadows::Shadows(const Device& device, const Options& options, std::span<const M
 Shadows::~Shadows()
 {
     gnDestroyContext(context_);
+    if (heap_.given != heap_.taken) std::fprintf(stderr, "blocks of memory were not given back\n"), std::abort();
+}
+
+VkResult GN_CALL Shadows::giveMemory(const GnMemoryRequest* pRequest, GnMemoryBlock* pBlock, void* pUserData)
+{
+    Heap& heap = *static_cast<Heap*>(pUserData);
+    VkMemoryAllocateFlagsInfo flags{};
+    flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
+    flags.flags = pRequest->allocateFlags;
+    VkMemoryAllocateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO;
+    info.pNext = pRequest->allocateFlags ? &flags : nullptr;
+    info.allocationSize = pRequest->size;
+    info.memoryTypeIndex = pRequest->memoryTypeIndex;
+    VkResult result = vkAllocateMemory(heap.device, &info, nullptr, &pBlock->memory);
+    if (result < 0) return result;
+    if (pRequest->mapped) result = vkMapMemory(heap.device, pBlock->memory, 0, VK_WHOLE_SIZE, 0, &pBlock->pMapped);
+    if (result < 0) {
+        vkFreeMemory(heap.device, pBlock->memory, nullptr);
+        pBlock->memory = VK_NULL_HANDLE;
+        return result;
+    }
+    ++heap.given;
+    return result;
+}
+
+void GN_CALL Shadows::takeMemory(const GnMemoryBlock* pBlock, void* pUserData)
+{
+    Heap& heap = *static_cast<Heap*>(pUserData);
+    vkFreeMemory(heap.device, pBlock->memory, nullptr);
+    ++heap.taken;
 }
 
 void Shadows::createScene(std::span<const Mesh> meshes)

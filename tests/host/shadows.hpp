@@ -3,6 +3,7 @@
 #define GNOMON_TESTS_HOST_SHADOWS_HPP
 
 #include <array>
+#include <atomic>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@ struct Options {
     float budgetMs = 0.0f;     ///< 0: none.
     std::string rulesPath;     ///< Empty: the shipped base "default".
     std::string knowledgePath; ///< Empty: none is loaded.
+    bool hooks = false;        ///< Device memory comes from the host.
 };
 
 /// What was decided for a light.
@@ -52,6 +54,8 @@ public:
     GnResult render(VkCommandBuffer commands, const FrameData& data, const Image& depth, const Image& normals,
                     uint64_t frame, uint64_t completedFrame);
 
+    /// Blocks of memory given so far (Options::hooks).
+    size_t blocksGiven() const noexcept { return heap_.given; }
     GnVisibility visibility() const;
     GnFrameStats stats() const;
     std::array<Choice, kLampCount> choices() const;
@@ -59,9 +63,17 @@ public:
     std::string explain(int light, const char* pMethod) const;
 
 private:
+    /// A host's memory at its simplest: a block of Vulkan's for each that is asked for.
+    struct Heap {
+        VkDevice device = VK_NULL_HANDLE;
+        std::atomic<size_t> given{0}, taken{0}; ///< Any thread.
+    };
+    static VkResult GN_CALL giveMemory(const GnMemoryRequest* pRequest, GnMemoryBlock* pBlock, void* pUserData);
+    static void GN_CALL takeMemory(const GnMemoryBlock* pBlock, void* pUserData);
     void createScene(std::span<const Mesh> meshes);
 
     Options options_;
+    Heap heap_;
     GnContext context_ = nullptr;
     GnView view_ = VK_NULL_HANDLE;
     std::array<GnLight, kLampCount> lights_{};
