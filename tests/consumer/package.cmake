@@ -1,6 +1,6 @@
 # Run by CTest: installs the build into a scratch prefix, builds the consumer against it in three ways, and runs the
 # installed program where there is one.
-#   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -DKIND=... -P package.cmake
+#   cmake -DSOURCE=... -DBUILD=... -DSCRATCH=... -DKIND=... -DEMBED=0 -P package.cmake
 include("${CMAKE_CURRENT_LIST_DIR}/run.cmake")
 
 set(prefix "${SCRATCH}/prefix")
@@ -49,4 +49,13 @@ if(EXISTS "${prefix}/bin/gnomon")
         endif()
         message(STATUS "plug-in: ok")
     endif()
+endif()
+
+# demo/embed alone beside the prefix: gnomon.hpp, the panel and what shaders include are those that were installed.
+if(EMBED)
+    file(COPY "${SOURCE}/demo/embed" DESTINATION "${SCRATCH}")
+    run(${CMAKE_COMMAND} -S "${SCRATCH}/embed" -B "${SCRATCH}/embed/build" -G Ninja "-DCMAKE_PREFIX_PATH=${prefix}")
+    run(${CMAKE_COMMAND} --build "${SCRATCH}/embed/build")
+    run("${SCRATCH}/embed/build/gnomon_embed" --help)
+    message(STATUS "embed: ok")
 endif()
