@@ -34,12 +34,12 @@ inline void expect(const Status& status)
     if (!status) throw HostError(status.error());
 }
 
-/// Owns one handle made from a device. It knows how to destroy and how to move; nothing else.
-template <typename Handle, auto Destroy>
+/// Owns one handle made from a device or an instance. It knows how to destroy and how to move; nothing else.
+template <typename Handle, auto Destroy, typename Maker = VkDevice>
 class Unique {
 public:
     Unique() = default;
-    Unique(VkDevice device, Handle handle) noexcept : device_(device), handle_(handle) {}
+    Unique(Maker maker, Handle handle) noexcept : maker_(maker), handle_(handle) {}
     Unique(Unique&& other) noexcept { swap(other); }
     Unique& operator=(Unique other) noexcept
     {
@@ -48,7 +48,7 @@ public:
     }
     ~Unique()
     {
-        if (handle_ != VK_NULL_HANDLE) Destroy(device_, handle_, nullptr);
+        if (handle_ != VK_NULL_HANDLE) Destroy(maker_, handle_, nullptr);
     }
 
     Handle get() const noexcept { return handle_; }
@@ -56,10 +56,10 @@ public:
 private:
     void swap(Unique& other) noexcept
     {
-        std::swap(device_, other.device_);
+        std::swap(maker_, other.maker_);
         std::swap(handle_, other.handle_);
     }
-    VkDevice device_ = VK_NULL_HANDLE;
+    Maker maker_ = VK_NULL_HANDLE;
     Handle handle_ = VK_NULL_HANDLE;
 };
 
@@ -75,6 +75,7 @@ using UniqueDescriptorPool = Unique<VkDescriptorPool, &vkDestroyDescriptorPool>;
 using UniquePipelineLayout = Unique<VkPipelineLayout, &vkDestroyPipelineLayout>;
 using UniquePipeline = Unique<VkPipeline, &vkDestroyPipeline>;
 using UniqueSwapchain = Unique<VkSwapchainKHR, &vkDestroySwapchainKHR>;
+using UniqueSurface = Unique<VkSurfaceKHR, &vkDestroySurfaceKHR, VkInstance>;
 
 class Device;
 

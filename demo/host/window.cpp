@@ -43,7 +43,7 @@ VkSurfaceFormatKHR chooseFormat(const Device& device, VkSurfaceKHR surface)
 
 WindowSystem::WindowSystem()
 {
-    if (glfwInit() != GLFW_TRUE) throw HostError("no window system: " + glfwReason());
+    if (glfwInit() != GLFW_TRUE) throw HostError("no window system: " + glfwReason() + "; `gnomon run` needs none");
     if (glfwVulkanSupported() != GLFW_TRUE) {
         const std::string reason = glfwReason();
         glfwTerminate();
@@ -64,22 +64,31 @@ std::vector<const char*> WindowSystem::instanceExtensions() const
     return {names, names + count};
 }
 
+void Window::CloseWindow::operator()(GLFWwindow* window) const noexcept
+{
+    glfwDestroyWindow(window);
+}
+
 Window::Window(Device& device, VkExtent2D size, const std::string& title, uint32_t framesInFlight) : device_(device)
 {
     glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
-    window_ = glfwCreateWindow(int(size.width), int(size.height), title.c_str(), nullptr, nullptr);
+    window_.reset(glfwCreateWindow(int(size.width), int(size.height), title.c_str(), nullptr, nullptr));
     if (!window_) throw HostError("no window: " + glfwReason());
-    glfwSetWindowUserPointer(window_, this);
-    glfwSetFramebufferSizeCallback(window_, [](GLFWwindow* window, int, int) {
+    glfwSetWindowUserPointer(handle(), this);
+    glfwSetFramebufferSizeCallback(handle(), [](GLFWwindow* window, int, int) {
         static_cast<Window*>(glfwGetWindowUserPointer(window))->stale_ = true;
     });
-    glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
+    glfwSetKeyCallback(handle(), [](GLFWwindow* window, int key, int, int action, int) {
         if (action == GLFW_PRESS) static_cast<Window*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
     });
-    vkCheck(glfwCreateWindowSurface(device.instance, window_, nullptr, &surface_), "glfwCreateWindowSurface");
+    VkSurfaceKHR surface = VK_NULL_HANDLE;
+    vkCheck(glfwCreateWindowSurface(device.instance, handle(), nullptr, &surface), "glfwCreateWindowSurface");
+    surface_ = {device.instance, surface};
     VkBool32 supported = VK_FALSE;
-    vkGetPhysicalDeviceSurfaceSupportKHR(device.physicalDevice, device.queueFamily, surface_, &supported);
-    if (!supported) throw HostError("the device cannot present to this window");
+    vkCheck(vkGetPhysicalDeviceSurfaceSupportKHR(device.physicalDevice, device.queueFamily, surface, &supported),
+            "vkGetPhysicalDeviceSurfaceSupportKHR");
+    if (!supported)
+        throw HostError(std::string(device.properties.deviceName) + " cannot present to a window of this display");
     // One more than frames in flight: an image is acquired for frame k before that is drawn, so all that is known to be
     // finished is what drawing frame k - 1 has waited for, frame k - 1 - framesInFlight and its wait for this
     // semaphore.
@@ -90,20 +99,16 @@ Window::Window(Device& device, VkExtent2D size, const std::string& title, uint32
 Window::~Window()
 {
     finish();
-    images_.clear();
-    swapchain_ = {};
-    vkDestroySurfaceKHR(device_.instance, surface_, nullptr);
-    glfwDestroyWindow(window_);
 }
 
 bool Window::closed() const
 {
-    return glfwWindowShouldClose(window_) == GLFW_TRUE;
+    return glfwWindowShouldClose(handle()) == GLFW_TRUE;
 }
 
 void Window::close()
 {
-    glfwSetWindowShouldClose(window_, GLFW_TRUE);
+    glfwSetWindowShouldClose(handle(), GLFW_TRUE);
 }
 
 void Window::pollEvents()
@@ -113,24 +118,34 @@ void Window::pollEvents()
 
 void Window::setTitle(const std::string& title)
 {
-    glfwSetWindowTitle(window_, title.c_str());
+    glfwSetWindowTitle(handle(), title.c_str());
 }
 
 void Window::setSize(VkExtent2D size)
 {
-    glfwSetWindowSize(window_, int(size.width), int(size.height));
+    glfwSetWindowSize(handle(), int(size.width), int(size.height));
 }
 
 VkExtent2D Window::extent() const
 {
     int width = 0, height = 0;
-    glfwGetFramebufferSize(window_, &width, &height);
+    glfwGetFramebufferSize(handle(), &width, &height);
     return {static_cast<uint32_t>(width), static_cast<uint32_t>(height)};
+}
+
+std::optional<double> Window::pressedAt() const
+{
+    if (glfwGetMouseButton(handle(), GLFW_MOUSE_BUTTON_LEFT) != GLFW_PRESS) return std::nullopt;
+    int width = 0;
+    double x = 0.0;
+    glfwGetWindowSize(handle(), &width, nullptr); // in the cursor's unit, not in pixels
+    glfwGetCursorPos(handle(), &x, nullptr);
+    return width > 0 ? std::optional(std::clamp(x / width, 0.0, 1.0)) : std::nullopt;
 }
 
 bool Window::held(int key) const
 {
-    return glfwGetKey(window_, key) == GLFW_PRESS;
+    return glfwGetKey(handle(), key) == GLFW_PRESS;
 }
 
 std::vector<int> Window::takePressedKeys()
@@ -141,8 +156,8 @@ std::vector<int> Window::takePressedKeys()
 bool Window::dragging(double& dx, double& dy)
 {
     double x = 0.0, y = 0.0;
-    glfwGetCursorPos(window_, &x, &y);
-    const bool down = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
+    glfwGetCursorPos(handle(), &x, &y);
+    const bool down = glfwGetMouseButton(handle(), GLFW_MOUSE_BUTTON_RIGHT) == GLFW_PRESS;
     const bool moved = down && wasDragging_;
     dx = moved ? x - lastX_ : 0.0;
     dy = moved ? y - lastY_ : 0.0;
@@ -162,17 +177,17 @@ void Window::finish()
 bool Window::makeSwapchain()
 {
     VkSurfaceCapabilitiesKHR limits{};
-    vkCheck(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice, surface_, &limits),
+    vkCheck(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(device_.physicalDevice, surface_.get(), &limits),
             "vkGetPhysicalDeviceSurfaceCapabilitiesKHR");
     extent_ = limits.currentExtent.width != UINT32_MAX ? limits.currentExtent : extent();
     extent_.width = std::clamp(extent_.width, limits.minImageExtent.width, limits.maxImageExtent.width);
     extent_.height = std::clamp(extent_.height, limits.minImageExtent.height, limits.maxImageExtent.height);
     if (extent_.width == 0 || extent_.height == 0) return false; // minimised
     finish();
-    const VkSurfaceFormatKHR format = chooseFormat(device_, surface_);
+    const VkSurfaceFormatKHR format = chooseFormat(device_, surface_.get());
     const uint32_t most = limits.maxImageCount == 0 ? UINT32_MAX : limits.maxImageCount;
     const VkSwapchainCreateInfoKHR info{.sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
-                                        .surface = surface_,
+                                        .surface = surface_.get(),
                                         .minImageCount = std::min(limits.minImageCount + 1, most),
                                         .imageFormat = format.format,
                                         .imageColorSpace = format.colorSpace,

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,14 @@ public:
 
 class Window {
 public:
-    /// \param framesInFlight as the Renderer's that draws to it, in every frame once.
+    /// Throws HostError where the device cannot present to it. \param framesInFlight as the Renderer's that draws to
+    /// it, in every frame once.
     Window(Device& device, VkExtent2D size, const std::string& title, uint32_t framesInFlight);
     ~Window();
     Window(const Window&) = delete;
     Window& operator=(const Window&) = delete;
 
-    GLFWwindow* handle() const noexcept { return window_; }
+    GLFWwindow* handle() const noexcept { return window_.get(); }
     bool closed() const;
     void close();
     void pollEvents();
@@ -40,6 +42,8 @@ public:
     /// Of the window's pixels; zero while minimised.
     VkExtent2D extent() const;
 
+    /// Across the window, 0 at the left edge and 1 at the right one; nothing: the left button is up.
+    std::optional<double> pressedAt() const;
     bool held(int key) const;              ///< A GLFW key.
     std::vector<int> takePressedKeys();    ///< Since the last call, without repeats.
     bool dragging(double& dx, double& dy); ///< Mouse moved with the right button held.
@@ -51,6 +55,9 @@ public:
     void finish();
 
 private:
+    struct CloseWindow {
+        void operator()(GLFWwindow* window) const noexcept;
+    };
     struct SwapImage {
         VkImage image = VK_NULL_HANDLE;
         UniqueSemaphore drawn; ///< One per image: presentation may hold it until the image comes round again.
@@ -58,8 +65,8 @@ private:
     bool makeSwapchain();
 
     Device& device_;
-    GLFWwindow* window_ = nullptr;
-    VkSurfaceKHR surface_ = VK_NULL_HANDLE;
+    std::unique_ptr<GLFWwindow, CloseWindow> window_;
+    UniqueSurface surface_;
     UniqueSwapchain swapchain_;
     std::vector<SwapImage> images_;
     std::vector<UniqueSemaphore> acquired_; ///< In turns.

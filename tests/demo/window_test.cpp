@@ -27,6 +27,12 @@ struct Acquired {
     uint32_t images = 0, early = 0;             ///< Acquired; of these with a semaphore that may be waited for.
 } acquired;
 
+/// Of the next windows.
+struct Surfaces {
+    bool supported = true; ///< By the device.
+    uint32_t asked = 0, destroyed = 0;
+} surfaces;
+
 template <typename Function>
 Function* loaders(const char* name, Function*)
 {
@@ -61,6 +67,23 @@ VKAPI_ATTR VkResult VKAPI_CALL vkWaitSemaphores(VkDevice device, const VkSemapho
 {
     acquired.waitedFor = std::max(acquired.waitedFor, info->pValues[0]);
     return loaders("vkWaitSemaphores", &vkWaitSemaphores)(device, info, timeout);
+}
+
+VKAPI_ATTR VkResult VKAPI_CALL vkGetPhysicalDeviceSurfaceSupportKHR(VkPhysicalDevice device, uint32_t family,
+                                                                    VkSurfaceKHR surface, VkBool32* supported)
+{
+    ++surfaces.asked;
+    const VkResult result = loaders("vkGetPhysicalDeviceSurfaceSupportKHR",
+                                    &vkGetPhysicalDeviceSurfaceSupportKHR)(device, family, surface, supported);
+    if (!surfaces.supported) *supported = VK_FALSE;
+    return result;
+}
+
+VKAPI_ATTR void VKAPI_CALL vkDestroySurfaceKHR(VkInstance instance, VkSurfaceKHR surface,
+                                               const VkAllocationCallbacks* allocator)
+{
+    ++surfaces.destroyed;
+    loaders("vkDestroySurfaceKHR", &vkDestroySurfaceKHR)(instance, surface, allocator);
 }
 
 } // extern "C"
@@ -121,6 +144,29 @@ TEST_CASE("no image is acquired with a semaphore that a frame in flight may stil
         CHECK(acquired.images == 12);
         CHECK(acquired.early == 0);
     }
+}
+
+TEST_CASE("a device that cannot present to the window is named, and nothing of the window is left")
+{
+    const WindowSystem system;
+    Session session({.scene = "room", .size = {64, 48}, .instanceExtensions = system.instanceExtensions()});
+    surfaces = {.supported = false};
+    std::string said;
+    try {
+        const Window window(session.device, session.renderer.extent(), "gnomon_refused", 2);
+    } catch (const HostError& error) {
+        said = error.what();
+    }
+    CHECK(said == std::string(session.device.properties.deviceName) + " cannot present to a window of this display");
+    CHECK(surfaces.asked == 1);
+    CHECK(surfaces.destroyed == 1);
+    surfaces = {};
+    {
+        const Window window(session.device, session.renderer.extent(), "gnomon", 2);
+        CHECK(surfaces.destroyed == 0);
+    }
+    CHECK(surfaces.destroyed == 1);
+    CHECK(session.device.validation.messages().empty());
 }
 
 } // namespace gnomon::demo
