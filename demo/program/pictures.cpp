@@ -125,15 +125,24 @@ Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& st
     return out;
 }
 
-glm::vec3 methodTint(std::string_view method, const Light& light) noexcept
+glm::vec3 lightTint(const Rgb8& colour, const Light& light) noexcept
 {
     const auto brightness = [](const glm::vec3& c) { return glm::dot(c, glm::vec3(0.2126f, 0.7152f, 0.0722f)); };
     const auto linear = [](uint8_t c) { return std::pow((float(c) / 255.0f + 0.055f) / 1.055f, 2.4f); };
-    const Rgb8 colour = methodColour(method);
     const glm::vec3 shade(linear(colour.r), linear(colour.g), linear(colour.b)), grey(brightness(shade));
     // Of light colours a grey wall would show little: their chroma counts twice.
     const glm::vec3 tint = glm::max(grey + 2.0f * (shade - grey), 0.0f);
     return tint * (brightness(light.colour * light.intensity) / brightness(tint));
+}
+
+void tintByMethod(const Scene& scene, const SceneState& state, const std::vector<FrameLog::LightLine>& lines,
+                  std::vector<glm::vec3>& tints)
+{
+    if (tints.empty())
+        for (const Light& light : scene.lights)
+            tints.push_back(light.colour * light.intensity);
+    for (size_t i = 0; i < state.present.size() && i < lines.size(); ++i)
+        tints[state.present[i]] = lightTint(methodColour(lines[i].method), scene.lights[state.present[i]]);
 }
 
 Image8 withLegend(const Image8& picture, const MethodCounts& counts)

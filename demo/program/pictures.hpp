@@ -34,8 +34,13 @@ private:
 Image8 captioned(const Image8& picture, const Scene& scene, const SceneState& state, const CameraMatrices& camera,
                  const std::vector<FrameLog::LightLine>& lines, std::string_view title);
 
-/// The method's colour as light, as bright as that of the light.
-glm::vec3 methodTint(std::string_view method, const Light& light) noexcept;
+/// A colour as light, as bright as that of the light.
+glm::vec3 lightTint(const Rgb8& colour, const Light& light) noexcept;
+
+/// Colours of the lights, one per light of the scene, by the methods in a frame's lines: FrameRequest::lightColours.
+/// Lights that are not there keep what `tints` has; empty, it starts with the scene's.
+void tintByMethod(const Scene& scene, const SceneState& state, const std::vector<FrameLog::LightLine>& lines,
+                  std::vector<glm::vec3>& tints);
 
 /// The methods with how many lights each serves, in their colours along the bottom, in as many rows as it takes.
 Image8 withLegend(const Image8& picture, const MethodCounts& counts);

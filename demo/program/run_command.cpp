@@ -201,20 +201,9 @@ private:
                                 .lightColours = tints_});
         lastTime_ = time;
         log_.add(frame, time, session_.renderer.state(), session_.shadows);
-        if (options_.film > 0) tint();
+        if (options_.film > 0) // which methods serve is known when a frame is recorded: the next one shows it
+            tintByMethod(session_.scene, session_.renderer.state(), log_.newest(), tints_);
         decisions_.frame(session_.shadows, session_.shadows.stats().frame);
-    }
-
-    /// Of the next frame's lights, by this frame's methods: which serve it is known when it is recorded.
-    void tint()
-    {
-        const std::vector<Light>& lights = session_.scene.lights;
-        if (tints_.empty())
-            for (const Light& light : lights)
-                tints_.push_back(light.colour * light.intensity);
-        const std::vector<uint32_t>& present = session_.renderer.state().present;
-        for (size_t i = 0; i < present.size() && i < log_.newest().size(); ++i)
-            tints_[present[i]] = methodTint(log_.newest()[i].method, lights[present[i]]);
     }
 
     const RunOptions& options_;

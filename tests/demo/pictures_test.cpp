@@ -61,7 +61,8 @@ TEST_CASE("a light in its method's colour is as bright as before, and a legend c
     light.colour = {1.0f, 0.4f, 0.2f};
     light.intensity = 3.0f;
     const auto brightness = [](const glm::vec3& c) { return 0.2126 * c.r + 0.7152 * c.g + 0.0722 * c.b; };
-    const glm::vec3 tint = methodTint("shadow_map", light), other = methodTint("ray_traced", light);
+    const glm::vec3 tint = lightTint(methodColour("shadow_map"), light),
+                    other = lightTint(methodColour("ray_traced"), light);
     CHECK(brightness(tint) == doctest::Approx(3.0 * brightness(light.colour)));
     CHECK(brightness(other) == doctest::Approx(brightness(tint)));
     CHECK(std::abs(tint.r / tint.g - other.r / other.g) > 0.1f);
