@@ -92,6 +92,9 @@ struct AlgorithmEntry {
     /// Null, or whether these settings give up what GN_TRAIT_EXACT_BIT promises.
     bool (*approximates)(std::span<const double> settings) = nullptr;
 
+    /// Null, or whether with these settings penumbrae follow the source, as GN_TRAIT_SOFT_PENUMBRA_BIT promises of all.
+    bool (*softens)(std::span<const double> settings) = nullptr;
+
     /// Its map is fitted to the view: texels near the eye are finer than those of a plain map of its side, so no bound
     /// in plain texels says how long it may be kept while casters move.
     bool followsView = false;

@@ -11,6 +11,11 @@ namespace {
 
 enum Setting { kReasons, kSamples, kSeed };
 
+bool isSampled(std::span<const double> settings)
+{
+    return settings[kSamples] > 1.0 && settings[kReasons] == 0.0;
+}
+
 constexpr SettingSpec kSettings[] = {
     kReasonsSetting,
     {"samples", "Rays a pixel to points of a light with a radius; 1: one ray to its centre, a hard shadow.", 1,
@@ -21,7 +26,7 @@ constexpr SettingSpec kSettings[] = {
 /// Whether the light's surface is sampled; else its centre is asked, and reason codes say of that ray.
 bool isSampled(const ShadowTask& task)
 {
-    return task.settings[kSamples] > 1.0 && task.settings[kReasons] == 0.0 && task.light->constants.sourceRadius > 0.0f;
+    return isSampled(task.settings) && task.light->constants.sourceRadius > 0.0f;
 }
 
 class RayTraced final : public ShadowAlgorithm {
@@ -55,7 +60,8 @@ constinit const AlgorithmEntry kRayTraced{
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,
                          GnLightType) { return hostVisibilityMemory(extent); },
     .create = makeAlgorithm<RayTraced>,
-    .approximates = [](std::span<const double> settings) { return settings[kSamples] > 1.0; }, // lights with a radius
+    .approximates = isSampled, // lights with a radius
+    .softens = isSampled,
 };
 
 } // namespace gnomon

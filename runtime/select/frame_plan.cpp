@@ -49,7 +49,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);        // the faces of a cube
     if (!method.looksUpMaps()) workload.redrawEvery = 1.0;               // goes by what is now
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
-    if (!method.has(GN_TRAIT_SOFT_PENUMBRA_BIT)) workload.softPixels = 0.0;
+    if (!method.isSoft()) workload.softPixels = 0.0;
     const bool traces = method.has(GN_TRAIT_RAYS_BIT) || method.has(GN_TRAIT_DEVICE_RAYS_BIT);
     if (!traces || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
     return workload;
@@ -265,7 +265,7 @@ float FramePlan::quality(std::uint32_t method, std::uint32_t side, const Coarsen
 {
     double wrong = double{wrong_[rungOf(side) * methods_.size() + method]};
     if (methods_[method].coarsens()) wrong *= light.texels;
-    if (!methods_[method].has(GN_TRAIT_SOFT_PENUMBRA_BIT)) wrong += light.hardEdges;
+    if (!methods_[method].isSoft()) wrong += light.hardEdges;
     return static_cast<float>(1.0 / (1.0 + wrong));
 }
 

@@ -72,6 +72,7 @@ struct Method {
     /// To be called when `settings` have changed.
     void noteSettings();
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
+    bool isSoft() const { return has(GN_TRAIT_SOFT_PENUMBRA_BIT) || (entry->softens && entry->softens(settings)); }
 
 private:
     std::optional<std::size_t> sideSetting_; ///< In `settings`: of the maps' side.

@@ -83,7 +83,7 @@ TEST_CASE("within the near floor a light asks for the least side of map that rea
     CHECK(asked(0.5, 0.45f) == 0);
 }
 
-TEST_CASE("hard edges cost a method what penumbrae are wide")
+TEST_CASE("hard edges cost a method what penumbrae are wide, unless its settings sample the source")
 {
     PlanTable table;
     FramePlan plan(table.methods(), true);
@@ -106,9 +106,19 @@ TEST_CASE("hard edges cost a method what penumbrae are wide")
     CHECK(wrongOf(qualityOf(lamp, "shadow_map")) == doctest::Approx(map + hard).epsilon(1e-3));
     CHECK(wrongOf(qualityOf(lamp, "ray_traced")) == doctest::Approx(hard).epsilon(1e-3));
     CHECK(wrongOf(qualityOf(lamp, "pcss")) == doctest::Approx(soft).epsilon(1e-3));
+    const float hardRayMs = lamp.candidates[methodNamed("ray_traced")].predictedMs;
     lamp.memory.measured = false; // not known: nothing is counted
     predict();
     CHECK(wrongOf(qualityOf(lamp, "ray_traced")) == 0.0);
+    lamp.memory.measured = true;
+
+    REQUIRE(table.methods().set("ray_traced", "samples", 16.0, frame));
+    predict();
+    CHECK(wrongOf(qualityOf(lamp, "ray_traced")) == 0.0);
+    CHECK(lamp.candidates[methodNamed("ray_traced")].predictedMs >= hardRayMs);
+    REQUIRE(table.methods().set("ray_traced", "reasons", 1.0, frame)); // of the ray to the centre
+    predict();
+    CHECK(wrongOf(qualityOf(lamp, "ray_traced")) == doctest::Approx(hard).epsilon(1e-3));
 }
 
 TEST_CASE("a method that takes five times what it should is on one light, until that is expected of all")
