@@ -26,14 +26,18 @@ TEST_CASE("bench prints exactly the promised columns and a base row first")
     CHECK(table[0] == "scene,method,lights,width,height,map,triangles,gpu_ms_p50,cpu_ms_p50,wall_ms_min,wall_ms_p50,"
                       "increment_ms_min,wrong_pct,rays,memory_mib,device,driver,false_lit_pct,false_shadow_pct,"
                       "ambiguous_pct,mean_abs_error,penumbra_pct,penumbra_rmse,penumbra_mean_abs,penumbra_off_pct,"
-                      "outside_rmse,outside_mean_abs,outside_off_pct,aliasing_p50,aliasing_p95");
+                      "outside_rmse,outside_mean_abs,outside_off_pct,aliasing_p50,aliasing_p95,command");
     CHECK(table[1].starts_with("torus_grid,none,1,160,120,"));
     for (size_t i = 1; i < table.size(); ++i) {
         std::vector<std::string> cells;
         REQUIRE(splitCsvLine(table[i], cells));
-        CHECK(cells.size() == 30);
+        CHECK(cells.size() == 31);
         CHECK(cells.at(28).empty() == (cells.at(1) != "shadow_map")); // the others hand out no map
         CHECK(cells.at(21).empty());                                  // its light has no radius
+        CHECK(cells.at(30) == (i > 1 ? ""
+                                     : "gnomon bench torus_grid --methods shadow_map,bare_shadow_map --map 128,256 "
+                                       "--size 160x120 --repeat 3 --csv " +
+                                           csv.string()));
         CHECK(cells.at(5) == std::array{"", "128", "256", "128", "256"}.at(i - 1));
     }
 }
@@ -177,7 +181,7 @@ TEST_CASE("a radius given to bench makes lamps wide, one in degrees suns")
         double soft = 0.0, hard = 0.0;
         for (std::string line; std::getline(output, line);) {
             std::vector<std::string> cells;
-            if (!splitCsvLine(line, cells) || cells.size() != 30) continue;
+            if (!splitCsvLine(line, cells) || cells.size() != 31) continue;
             if (cells[1] == "coherence_sampling") soft = std::stod(cells[13]);
             if (cells[1] == "ray_traced") hard = std::stod(cells[13]);
         }

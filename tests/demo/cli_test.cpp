@@ -327,7 +327,12 @@ TEST_CASE("compare holds the rules against fixed choices, cold and warm, and wri
         CHECK_MESSAGE(ran.output.find(line) != std::string::npos, line);
     const std::vector<std::string> table = lines(csv);
     CHECK(table.at(0) == "scene,run,pass,alternation,frame,frame_ms,sentinel_ms,shadow_ms,adaptive,equal_quality,"
-                         "near_wrong_pct,far_wrong_pct");
+                         "near_wrong_pct,far_wrong_pct,command");
+    CHECK(table.at(1).ends_with(
+        ",\"gnomon compare torus_grid --rules default,thesis --methods shadow_map,ray_traced --map "
+        "128 --size 96x64 --seconds 1.2 --stride 18 --alternations 2 --warm --csv " +
+        csv.string() + "\""));
+    CHECK(table.at(2).ends_with(","));
     std::map<std::string, int> frames;
     for (const std::string& line : table) {
         std::vector<std::string> cells;
@@ -346,13 +351,14 @@ TEST_CASE("compare by the recorded entry point leaves out what needs the CPU bet
     const std::string scene = std::string(GNOMON_TEST_SCENES) + "/yard.yaml";
     const Ran ran = gnomonProgram("compare torus_grid '" + scene +
                                   "' --entry recorded --methods ray_traced,stencil_volume "
-                                  "--size 96x64 --seconds 0.1 --stride 2 --alternations 1 --budget 1000");
+                                  "--size 96x64 --seconds 0.1 --stride 2 --alternations 1 --budget 1000 --lights 2");
     CAPTURE(ran.output);
     REQUIRE(ran.exitCode == 0);
     CHECK(ran.output.find("gnCmdRenderShadows, 3 frames") != std::string::npos);
     CHECK(ran.output.find("left out: ray_traced: needs the CPU between its passes and cannot be recorded") !=
           std::string::npos);
     CHECK(ran.output.find("in one run, whose noise is not known") != std::string::npos);
+    CHECK(ran.output.find("\nIn yard, with 2 lights, ") != std::string::npos);
     CHECK(ran.output.find("\ntorus_grid, default rules, cold: total ") != std::string::npos);
 }
 
