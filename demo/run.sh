@@ -57,7 +57,7 @@ elif [ -z "$favoured" ]; then
     say "no light had a shadow: nothing to hold it against"
 else
     say "holding it against $favoured"
-    if "$build/gnomon" compare city_night --methods "$favoured" --size "$size" --stride 12 --alternations 1 \
+    if "$build/gnomon" compare city_night --methods "$favoured" --size "$size" --stride 20 --alternations 1 \
         "${shared[@]}" --csv "$out/compare.csv" | tail -n 4; then
         tables=(--compare "$out/compare.csv")
     else

@@ -21,7 +21,7 @@ std::string savedTable(const Compared& compared, const Compared::Run& adaptive)
         if (!run.adaptive && run.scene == adaptive.scene && run.pass == adaptive.pass) fixedRuns.push_back(&run);
     std::stable_sort(fixedRuns.begin(), fixedRuns.end(),
                      [](const auto* a, const auto* b) { return a->frameMs < b->frameMs; });
-    std::string out = "<h3>" + escaped(adaptive.scene) + ", " + escaped(adaptive.pass) + ", by the rules " +
+    std::string out = "<h3>" + escaped(adaptive.scene) + ", " + escaped(adaptive.pass) + ", by the " +
                       escaped(adaptive.name) + ": " + fixed(adaptive.frameMs, 1) + " ms a frame</h3><table><tr>" +
                       "<th>every light by</th><th>ms a frame</th><th>saved, ms a frame</th><th>shadows, ms</th>"
                       "<th>wrong near, %</th><th>wrong far, %</th><th>equal quality</th></tr>";

@@ -22,7 +22,7 @@ svg{display:block;width:100%;height:auto}
 .legend span{margin-right:14px;white-space:nowrap}
 .legend i{display:inline-block;width:13px;height:13px;margin-right:5px;vertical-align:-2px;border-radius:2px}
 .charts{display:flex;flex-wrap:wrap}.charts figure{width:500px;margin:6px 8px}
-.bands{width:100%}.bands th{white-space:nowrap}.bar{width:80%}
+.bands{width:100%}.bands th{white-space:nowrap}.bar{width:80%;white-space:nowrap;overflow:hidden}
 .bar span{display:inline-block;height:18px;vertical-align:middle}
 figure{margin:10px 0}figcaption{color:#59636e;font-size:13px}
 .slide{position:relative;display:inline-block;--cut:50%}.slide img{display:block;max-width:100%}
