@@ -209,8 +209,8 @@ TEST_CASE("lamps wider than their distance and a sun of 44 degrees are shown by 
     };
     for (const Row& row : {Row{"spot of 5 m", LightKind::Spot, 5.0f}, Row{"point light of 5 m", LightKind::Point, 5.0f},
                            Row{"sun of 44 degrees", LightKind::Directional, 0.768f}}) {
-        Stage stage(softScene(Caster::box, row.kind, 1.2, row.radius), {96, 72});
-        const std::vector<SoftTruth> truths = tracedSoftTruths(stage, 256);
+        Stage stage(softScene(Caster::box, row.kind, 1.2, row.radius), {64, 48});
+        const std::vector<SoftTruth> truths = tracedSoftTruths(stage, 64);
         uint32_t methods = 0;
         for (const GnMethodInfo& method : stage.methods()) {
             if (!(method.traits & GN_TRAIT_SOFT_PENUMBRA_BIT) || !serves(method.traits, row.kind)) continue;
@@ -225,8 +225,8 @@ TEST_CASE("lamps wider than their distance and a sun of 44 degrees are shown by 
             }
             MESSAGE(std::string(row.name) << ", " << std::string(method.pName) << ": dark " << none << " of " << light
                                           << ", RMSE " << error.penumbra.rmse() << "; " << inWords(error));
-            CHECK(light > 500);
-            CHECK(none * 50 <= light); // edt_soft 1.8 %, moments_soft 1.0 % (their pages), all others none
+            CHECK(light > 1000);
+            CHECK(none * 50 <= light); // edt_soft 1.2 %, moments_soft 1.0 % (their pages), all others none
             ++methods;
         }
         CHECK(methods >= 8);
