@@ -142,7 +142,8 @@ private:
 constinit const AlgorithmEntry kPerspectiveWarp{
     .name = "perspective_warp",
     .source = "Stamminger and Drettakis 2002; Wimmer, Scherzer and Purgathofer 2004",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT,
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
+              GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
                          GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
