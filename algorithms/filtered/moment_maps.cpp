@@ -92,12 +92,12 @@ gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light)
     return {.scale = scale, .offset = 0.0f, .perspective = 1.0f, .padding = 0.0f};
 }
 
-bool staleLayer(PassBuilder& passes, const char* stampName, std::uint32_t variant, ImageId image,
+bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::uint32_t variant, ImageId image,
                 std::uint64_t mapStamp)
 {
     // A stamp belongs to a whole resource, layers need one each: the smallest buffer there is carries it.
     const BufferId carrier =
-        passes.persistent(BufferInfo{.name = stampName, .scope = Scope::light, .size = 4, .variant = variant});
+        passes.persistent(BufferInfo{.name = stampName, .scope = scope, .size = 4, .variant = variant});
     if (passes.stale(carrier, Stamp().add(mapStamp).add(passes.serial(image)).value())) return true;
     passes.kept();
     return false;
@@ -108,6 +108,7 @@ struct MomentMaps::Layer {
     MomentFilter filter;
     ImageId map, moments;
     BufferId first, second; ///< Scratch.
+    Scope scope;            ///< LightMap::scope
     std::uint32_t index = 0, side = 0, variant = 0;
     gpu::BoxSums rows{}, columns{};
 
@@ -136,7 +137,7 @@ ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const Shad
     const std::uint32_t variant = variantOf(filter, resolution);
     const auto layers = static_cast<std::uint32_t>(map.fits.size());
     const ImageId moments = passes.persistent(ImageInfo{.name = "moments.map",
-                                                        .scope = Scope::light,
+                                                        .scope = map.scope,
                                                         .format = format(filter),
                                                         .extent = {resolution, resolution},
                                                         .layers = layers,
@@ -145,16 +146,17 @@ ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const Shad
         if ((map.needed >> index & 1) == 0) continue;
         const gpu::LinearDepth linear = linearDepthOf(map.fits[index], *task.light); // follows all casters in range
         const std::uint64_t made = Stamp().add(map.stamps[index]).add(linear.scale).value();
-        if (!staleLayer(passes, "moments.stamp", variant + index, moments, made)) continue;
+        if (!staleLayer(passes, "moments.stamp", map.scope, variant + index, moments, made)) continue;
         const auto scratch = [&](const char* name) {
             return passes.transient(BufferInfo{
-                .name = name, .scope = Scope::light, .size = scratchBytes(filter, resolution), .variant = variant});
+                .name = name, .scope = map.scope, .size = scratchBytes(filter, resolution), .variant = variant});
         };
         Layer layer{.filter = filter,
                     .map = map.image,
                     .moments = moments,
                     .first = scratch("moments.first"),
                     .second = scratch("moments.second"),
+                    .scope = map.scope,
                     .index = index,
                     .side = resolution,
                     .variant = variant + index};
@@ -181,7 +183,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
     const Layer* layer = passes.arena().make(declared);
     const std::size_t channels = logOf(gpu::momentChannels(layer->filter.kind));
     BufferId from = layer->first, to = layer->second;
-    passes.compute("moments.rows", Scope::light, layer->variant)
+    passes.compute("moments.rows", layer->scope, layer->variant)
         .samples(layer->map, {.layer = layer->index})
         .updates(from)
         .record([layer, from, pipeline = rows_[layer->filter.kind]](PassContext& gpu) {
@@ -193,7 +195,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
     const std::uint32_t more = layer->filter.boxes - 1;
     for (std::uint32_t i = 0; i < 2 * more; ++i) {
         const bool columns = i >= more;
-        passes.compute(kMeans[columns ? 2 + i - more : i], Scope::light, layer->variant)
+        passes.compute(kMeans[columns ? 2 + i - more : i], layer->scope, layer->variant)
             .reads(from)
             .updates(to)
             .record([layer, from, to, columns, pipeline = means_[channels]](PassContext& gpu) {
@@ -203,7 +205,7 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
             });
         std::swap(from, to);
     }
-    passes.compute("moments.columns", Scope::light, layer->variant)
+    passes.compute("moments.columns", layer->scope, layer->variant)
         .reads(from)
         .updates(to)
         .writes(layer->moments, {.layer = layer->index})

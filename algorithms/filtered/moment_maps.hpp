@@ -28,8 +28,8 @@ struct MomentFilter {
 gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light);
 
 /// Whether a layer of what is made of a map's layer has to be made anew, and notes that it is; where not, that it was
-/// kept. @param mapStamp LightMap::stamps of the layer
-bool staleLayer(PassBuilder& passes, const char* stampName, std::uint32_t variant, ImageId image,
+/// kept. @param scope LightMap::scope @param mapStamp LightMap::stamps of the layer
+bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::uint32_t variant, ImageId image,
                 std::uint64_t mapStamp);
 
 class MomentMaps {

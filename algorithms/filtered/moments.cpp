@@ -10,7 +10,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding, kContact };
+enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding, kFit, kContact };
 
 constexpr SettingSpec kSettings[] = {
     // 2048: the buffers of the filter, 16 bytes a texel, have to fit into a storage buffer, which may have 128 MiB.
@@ -23,6 +23,7 @@ constexpr SettingSpec kSettings[] = {
     {"exponent", "Of ESM and EVSM, for depths from -1 to 1; clamped to what 16 bits hold, 5.54, of ESM 11.08.", 1, 42,
      40},
     {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0.1},
+    kFitSetting,
     kContactSetting,
 };
 
@@ -72,7 +73,7 @@ public:
         gpu::MomentsConstants& constants = *passes.arena().make<gpu::MomentsConstants>();
         constants.base = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
-                                             std::max(filter.border(), kMapBorderTexels));
+                                             std::max(filter.border(), kMapBorderTexels), mapFit(task.settings[kFit]));
         constants.linear = linearDepthOf(map.fits.front(), *task.light); // all layers have the same ends
         addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
         const ImageId moments = maps_.declare(passes, map, task, resolution, filter);

@@ -54,7 +54,7 @@ ImageId SummedTables::declare(PassBuilder& passes, const LightMap& map, const Sh
         const std::uint32_t variant = index << 16 | resolution;
         const gpu::LinearDepth linear = linearDepthOf(map.fits[index], *task.light); // follows all casters in range
         const std::uint64_t made = Stamp().add(map.stamps[index]).add(linear.scale).value();
-        if (!staleLayer(passes, "moments_soft.stamp", variant, table, made)) continue;
+        if (!staleLayer(passes, "moments_soft.stamp", Scope::light, variant, table, made)) continue;
         const BufferId sums = passes.transient(BufferInfo{.name = "moments_soft.sums",
                                                           .scope = Scope::light,
                                                           .size = kEntryBytes * gpu::boxTexels(resolution),

@@ -21,7 +21,7 @@ constexpr VkDeviceSize kTexelBytes = 4;
 
 void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy)
 {
-    passes.transfer(copy.name, Scope::light, copy.variant)
+    passes.transfer(copy.name, copy.scope, copy.variant)
         .copies(copy.from, {.layer = copy.layer})
         .writes(copy.to)
         .record([copy](PassContext& gpu) {
@@ -49,10 +49,10 @@ std::uint32_t variantOf(std::uint32_t resolution, std::uint32_t layer)
     return resolution * 8 + layer;
 }
 
-BufferInfo bufferOf(std::uint32_t resolution, std::uint32_t layer)
+BufferInfo bufferOf(const LightMap& map, std::uint32_t resolution, std::uint32_t layer)
 {
     return {.name = "light_map.on_host",
-            .scope = Scope::light,
+            .scope = map.scope,
             .size = kTexelBytes * resolution * resolution,
             .place = BufferPlace::readback,
             .variant = variantOf(resolution, layer)};
@@ -65,7 +65,7 @@ HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32
     HostMapCopy result{.layers = static_cast<std::uint32_t>(map.fits.size()), .needed = map.needed, .depth = {}};
     for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1) {
         const auto layer = static_cast<std::uint32_t>(std::countr_zero(bits));
-        result.depth[layer] = passes.persistent(bufferOf(resolution, layer));
+        result.depth[layer] = passes.persistent(bufferOf(map, resolution, layer));
         if (!passes.stale(result.depth[layer], map.stamps[layer])) {
             passes.kept();
             continue;
@@ -83,7 +83,8 @@ HostMapCopy declareHostMap(PassBuilder& passes, const LightMap& map, std::uint32
                                   .to = result.depth[layer],
                                   .side = resolution,
                                   .variant = variantOf(resolution, layer),
-                                  .cells = cells});
+                                  .cells = cells,
+                                  .scope = map.scope});
     }
     return result;
 }
@@ -92,7 +93,7 @@ VkDeviceSize missingHostMap(const PassBuilder& passes, const LightMap& map, std:
 {
     VkDeviceSize bytes = 0;
     for (std::uint32_t bits = map.needed; bits != 0; bits &= bits - 1)
-        bytes += passes.missing(bufferOf(resolution, static_cast<std::uint32_t>(std::countr_zero(bits))));
+        bytes += passes.missing(bufferOf(map, resolution, static_cast<std::uint32_t>(std::countr_zero(bits))));
     return bytes;
 }
 

@@ -22,7 +22,7 @@ bool classifiesOnHost(double setting, const DeviceTable& vk, const ShadowTask& t
 /// How receivers are found in a map; its layers are to be set. @param cube six of them
 simd::MapLookup mapLookupOf(const gpu::MapConstants& constants, bool cube);
 
-/// Copies an image layer, or cells of it, of four-byte texels to a buffer of a light's scope.
+/// Copies an image layer, or cells of it, of four-byte texels to a buffer.
 struct LayerCopy {
     const char* name; ///< Of the pass.
     ImageId from;
@@ -32,6 +32,7 @@ struct LayerCopy {
     std::uint32_t side = 0;
     std::uint32_t variant = 0; ///< Of the pass.
     Cells cells = kAllCells;
+    Scope scope = Scope::light; ///< Of the pass.
 };
 void declareLayerCopy(PassBuilder& passes, const LayerCopy& copy);
 

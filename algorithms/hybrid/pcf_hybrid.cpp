@@ -13,12 +13,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kReasons, kClassify };
+enum Setting { kResolution, kReasons, kClassify, kFit };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, or of each of a point light's six.", 64, 8192, 1024, true},
     kReasonsSetting,
     kClassifySetting,
+    kFitSetting,
 };
 
 constexpr UndecidedNames kNames = {.status = "pcf_hybrid.status",
@@ -52,7 +53,8 @@ public:
         gpu::HybridConstants& constants = *passes.arena().make<gpu::HybridConstants>();
         constants.base = mapConstants(task, resolution, 1);
         constants.reasons = task.settings[kReasons] != 0.0;
-        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base);
+        const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base, kMapBorderTexels,
+                                             mapFit(task.settings[kFit]));
         if (!task.rays && classifiesOnHost(task.settings[kClassify], vk_, task) &&
             passes.hasRoomFor(missingHostMap(passes, map, resolution))) {
             const HostMapCopy copy = declareHostMap(passes, map, resolution);

@@ -2,9 +2,8 @@
 
 #include "algorithms/maps/desired_view.hpp"
 #include "algorithms/shared/contact.hpp"
-#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
-#include "algorithms/shared/trapezoid.hpp"
 #include "shaders/maps_shadow_map_frag.h"
 
 namespace gnomon {
@@ -23,11 +22,6 @@ constexpr SettingSpec kSettings[] = {
      0, 2, 0},
     kContactSetting,
 };
-
-constexpr ViewMapNames kSeenNames{"shadow_map.depth",
-                                  "shadow_map.statics",
-                                  "shadow_map.stamp",
-                                  {"shadow_map.casters", "shadow_map.statics", "shadow_map.copy_statics"}};
 
 class ShadowMap final : public ShadowAlgorithm {
 public:
@@ -57,7 +51,7 @@ public:
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const std::uint32_t side = filterSide(task.settings[kFilter]);
         const DepthMap map = task.settings[kFit] >= 0.5 && task.settings[kFit] < 1.5
-                                 ? declareSeenMap(passes, task, resolution, kernelBorder(side))
+                                 ? declareSeenMap(passes, casters_, task, resolution, kernelBorder(side))
                                  : declareDepthMap(passes, casters_, task, resolution, kernelBorder(side));
         const gpu::MapConstants constants = constantsOf(task, *map.fit, resolution, side);
         map_ = {.image = map.image,
@@ -82,13 +76,6 @@ private:
         const std::uint32_t side = filterSide(task.settings[kFilter]), border = kernelBorder(side);
         const LightFit& fit = *fitDepthMap(casters_.clamped, task, resolution, passes.arena(), border);
         desired_.declare(passes, task, fit, constantsOf(task, fit, resolution, side), border);
-    }
-
-    DepthMap declareSeenMap(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
-                            std::uint32_t borderTexels)
-    {
-        const LightFit* fit = fitSeenMap(casters_.clamped, task, resolution, passes.arena(), borderTexels);
-        return declareViewMap(passes, casters_, task, resolution, fit, kSeenNames);
     }
 
     DepthMapPipelines casters_;

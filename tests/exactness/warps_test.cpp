@@ -110,6 +110,33 @@ TEST_CASE("where the view is near, every warped map is less wrong than a plain o
     CHECK(percent(all.lispsm) <= 1.05 * percent(all.psm));
 }
 
+TEST_CASE("where the light is far larger than the view, moments of what is seen are less wrong, and hybrids trace less")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Directional, LightKind::Spot}) {
+        const std::string lamp = nameOf(kind);
+        CAPTURE(lamp);
+        Scene scene = avenue(kind, {0.8, -0.6, -0.1});
+        scene.camera = {{.eye = {-1.0, 5.0, 1.0}, .target = {0.0, 0.0, -4.0}}};
+        Stage stage(scene, kSize);
+        const auto fitted = [&](const char* method, double fit) {
+            const ErrorCount error = errorOf(stage, method, 512.0, {{"fit", fit}});
+            return std::pair(error, stage.session().shadows.stats().rays);
+        };
+        const auto [whole, none] = fitted("moments", 0.0);
+        const auto [seen, never] = fitted("moments", 1.0);
+        MESSAGE("moments under a " << lamp << ": " << inWords(whole) << ", of what is seen " << inWords(seen));
+        CHECK(whole.counted > 20'000);
+        CHECK(seen.wrong() < whole.wrong());
+        const auto [wholeTraced, wholeRays] = fitted("pcf_hybrid", 0.0);
+        const auto [seenTraced, seenRays] = fitted("pcf_hybrid", 1.0);
+        MESSAGE("pcf_hybrid under a " << lamp << ": " << inWords(wholeTraced) << " with " << wholeRays
+                                      << " rays, of what is seen " << inWords(seenTraced) << " with " << seenRays);
+        CHECK(seenTraced.wrong() <= wholeTraced.wrong());
+        CHECK(seenRays < wholeRays);
+    }
+}
+
 TEST_CASE("a tower behind the eye casts into warped maps")
 {
     const test::DeviceTest silence;
@@ -128,7 +155,9 @@ TEST_CASE("a tower behind the eye casts into warped maps")
                 {"perspective_warp", {{"form", 0.0}}},
                 {"perspective_warp", {{"form", 1.0}}},
                 {"shadow_map", {{"fit", 1.0}}},
-                {"shadow_map", {{"fit", 2.0}}}};
+                {"shadow_map", {{"fit", 2.0}}},
+                {"moments", {{"fit", 1.0}}},
+                {"pcf_hybrid", {{"fit", 1.0}}}};
     for (const auto& [method, settings] : kept) {
         Settings fine = settings;
         fine.push_back({"resolution", 2048.0});
