@@ -133,6 +133,24 @@ TEST_CASE("a lamp in view takes two halves, and the picture is that of dual_para
     CHECK(test::differences(draw(behind, "improved_paraboloid").pictures, plain.pictures) > 0);
 }
 
+TEST_CASE("six faces are less wrong than two paraboloids of their side, and these ever less as they grow")
+{
+    const test::DeviceTest silence;
+    Stage stage(underLamp("colonnade", {{0.0, 1.0, -6.0}, 20.0f}), kSize);
+    const auto wrong = [&](const char* method, double side) {
+        const ErrorCount error = pooled(stage, stage.draw(method, {{"resolution", side}}));
+        MESSAGE(std::string(method) << " of " << side << " texels: " << inWords(error));
+        return error.wrong();
+    };
+    uint64_t before = UINT64_MAX;
+    for (const double side : {512.0, 1024.0, 2048.0, 4096.0}) {
+        const uint64_t discs = wrong("dual_paraboloid", side);
+        CHECK(discs < before);
+        if (side < 2048.0) CHECK(wrong("cube_map", side) <= discs); // larger ones take a second
+        before = discs;
+    }
+}
+
 // Navratil 2015, 4.1.4; what is nearer to the eye than the lamp is what the skew is for.
 TEST_CASE("a skew of 30 degrees makes less wrong near the eye, and not 1.2 times as much altogether")
 {
@@ -260,6 +278,8 @@ TEST_CASE("a warped map is drawn once while view, light and casters stand still"
             const Pictures first = stage.draw(warp, settings);
             CHECK(casterPasses(stage, warp + ".casters") > 0);
             CHECK(casterPasses(stage, warp + ".importance") == 1);
+            (void)stage.draw(warp, settings); // draws the maps in which the first saw no receiver
+            CHECK(casterPasses(stage, warp + ".importance") == 0);
             const Pictures second = stage.draw(warp, settings);
             CHECK(casterPasses(stage, warp + ".casters") == 0);
             CHECK(casterPasses(stage, warp + ".importance") == 0);
