@@ -11,8 +11,9 @@ namespace {
 
 constexpr demo::DepthConvention kConventions[] = {demo::DepthConvention::ReversedInfinite,
                                                   demo::DepthConvention::Standard};
-constexpr VkFormat kFormats[] = {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D32_SFLOAT_S8_UINT, VK_FORMAT_D24_UNORM_S8_UINT,
-                                 VK_FORMAT_D16_UNORM};
+constexpr VkFormat kFormats[] = {VK_FORMAT_D32_SFLOAT,        VK_FORMAT_D32_SFLOAT_S8_UINT,
+                                 VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_X8_D24_UNORM_PACK32,
+                                 VK_FORMAT_D16_UNORM,         VK_FORMAT_D16_UNORM_S8_UINT};
 
 // --- the truth ---
 

@@ -164,8 +164,8 @@ std::vector<brute::Triangle> bruteTriangles(const Host& host)
 
 double stepOf(VkFormat format)
 {
-    if (format == VK_FORMAT_D16_UNORM) return 1.0 / 65535.0;
-    return format == VK_FORMAT_D24_UNORM_S8_UINT ? 1.0 / 16777215.0 : 0.0;
+    if (format == VK_FORMAT_D16_UNORM || format == VK_FORMAT_D16_UNORM_S8_UINT) return 1.0 / 65535.0;
+    return format == VK_FORMAT_D24_UNORM_S8_UINT || format == VK_FORMAT_X8_D24_UNORM_PACK32 ? 1.0 / 16777215.0 : 0.0;
 }
 
 bool drawable(VkFormat format, uint32_t samples)
