@@ -2,6 +2,9 @@
 #include "device/fixture.hpp"
 #include "device/imgui_screen.hpp"
 
+#include <algorithm>
+#include <limits>
+
 #include <gnomon/gnomon_imgui.h>
 
 using namespace gnomon;
@@ -51,6 +54,20 @@ struct Panelled {
         screen.click(screen.lineWith(text), text);
     }
 
+    /// What is expected to be wrong of the light's method, in per cent.
+    double error(size_t light) const
+    {
+        uint32_t count = 0;
+        host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, nullptr));
+        std::vector<GnCandidate> candidates(count);
+        host.require(gnGetCandidates(host.context, host.views[0], host.lights[light], &count, candidates.data()));
+        const auto chosen = std::find_if(candidates.begin(), candidates.end(), [&](const GnCandidate& candidate) {
+            return candidate.pMethod == host.decision(light).pMethod;
+        });
+        REQUIRE(chosen != candidates.end());
+        return (1.0 - double(chosen->quality)) / double(chosen->quality);
+    }
+
     Host host;
     ImguiPanel panel;
     ImguiScreen screen;
@@ -63,13 +80,14 @@ std::string number(bool known, const char* format, double value)
     return text;
 }
 
-std::string row(const char* name, const GnDecision& decision, const std::string& reason)
+std::string row(const char* name, const GnDecision& decision, double error, const std::string& reason)
 {
     const std::string pinned = decision.reason == GN_REASON_PINNED ? "(pinned)" : "";
     return name + (decision.pMethod + pinned) + number(decision.mapSide != 0, "%.0f", decision.mapSide) +
            number(decision.redrawEvery != 0, "%.0f", decision.redrawEvery) +
            number(true, "%.2f", double(decision.predictedMs)) +
-           number(decision.measuredMs > 0.0f, "%.2f", double(decision.measuredMs)) + withoutSpaces(reason);
+           number(decision.measuredMs > 0.0f, "%.2f", double(decision.measuredMs)) + number(true, "%.2f", error) +
+           withoutSpaces(reason);
 }
 
 } // namespace
@@ -85,7 +103,9 @@ TEST_CASE_FIXTURE(DeviceTest, "the panel's rows are the decisions of the last fr
     for (size_t light = 0; light < 2; ++light) {
         const char* name = light == 0 ? "lamp" : "bulb";
         CHECK(host.decision(light).mapSide != 0);
-        CHECK(panelled.screen.lineWith(name).text == row(name, host.decision(light), "pinned by the host"));
+        CHECK(panelled.error(light) > 0.01); // of a map: the column has something to say
+        CHECK(panelled.screen.lineWith(name).text ==
+              row(name, host.decision(light), panelled.error(light), "pinned by the host"));
     }
     for (int i = 0; i < 16 && host.decision(1).measuredMs == 0.0f; ++i) // one frame in eight is timed
         panelled.frame();
@@ -98,7 +118,62 @@ TEST_CASE_FIXTURE(DeviceTest, "the panel's rows are the decisions of the last fr
     host.pin(1, nullptr);
     panelled.frame();
     CHECK(panelled.screen.lineWith("bulb").text !=
-          row("bulb", host.decision(1), "pinned by the host")); // the reason is another one, so the row is
+          row("bulb", host.decision(1), panelled.error(1), "pinned by the host")); // another reason, another row
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a light that changes its method is listed with frame, methods and reason")
+{
+    Panelled panelled;
+    Host& host = panelled.host;
+    panelled.frame();
+    CHECK(panelled.screen.lineWith("nolighthas").text == "nolighthaschangeditsmethodyet");
+    const std::string before = host.decision(0).pMethod, wanted = before == "shadow_map" ? "ray_traced" : "shadow_map";
+    host.pin(0, wanted.c_str());
+    panelled.frame();
+    REQUIRE(host.decision(0).pMethod == wanted);
+    const std::string frame = "frame" + std::to_string(host.stats().frame);
+    CHECK(panelled.screen.lineWith(frame).text == frame + "lamp:" + before + "->" + wanted + ",pinnedbythehost");
+    panelled.frame(); // no change, no line
+    host.pin(0, nullptr);
+    host.pin(1, "cube_map");
+    panelled.frame();
+    uint32_t listed = 0;
+    for (const ImguiScreen::Line& line : panelled.screen.lines())
+        listed += line.text.starts_with("frame");
+    CHECK(listed >= 2);
+    CHECK(listed <= 3); // the bulb may have had a cube map before
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a fact is drawn with its value and how far it belongs to each term")
+{
+    Panelled panelled;
+    Host& host = panelled.host;
+    panelled.frame();
+    uint32_t count = 0;
+    host.require(gnGetFacts(host.context, host.views[0], host.lights[0], &count, nullptr));
+    std::vector<GnFact> facts(count);
+    host.require(gnGetFacts(host.context, host.views[0], host.lights[0], &count, facts.data()));
+    const auto known = std::find_if(facts.begin(), facts.end(), [](const GnFact& fact) { return fact.value > 0.0; });
+    REQUIRE(known != facts.end());
+    const std::string name = known->pName;
+    const double value = known->value;
+    // A flank from half the value to three times it, and the other one falls where it rises: 0.2 and 0.8.
+    constexpr double infinite = std::numeric_limits<double>::infinity();
+    panelled.panel.setVariables({{name,
+                                  0.0,
+                                  10.0 * value,
+                                  {{"near", -infinite, -infinite, 0.5 * value, 3.0 * value},
+                                   {"far", 0.5 * value, 3.0 * value, infinite, infinite}}}});
+    if (known != facts.begin()) { // which is shown
+        const ImguiScreen::Line line = panelled.screen.lineWith(facts[0].pName);
+        panelled.screen.click(line, facts[0].pName);
+        panelled.screen.click(panelled.screen.lineWith(name), name);
+    }
+    panelled.screen.settle();
+    char text[64];
+    std::snprintf(text, sizeof text, "%.3g%s", value, known->pUnit);
+    CHECK(panelled.screen.lineWith(name).text == name + "oflampis" + withoutSpaces(text));
+    CHECK(panelled.screen.lineWith("near0").text == "near0.80far0.20");
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a method chosen in the panel is pinned, and the rules get the light back")
