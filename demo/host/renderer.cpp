@@ -186,7 +186,8 @@ void Renderer::createImages()
         view.images.depth =
             makeSingle(device_, kDepthFormat, extent_, read | VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT);
         view.images.normals = makeSingle(device_, kNormalFormat, extent_, read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
-        view.images.colour = makeSingle(device_, kColourFormat, extent_, read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT);
+        view.images.colour = makeSingle(device_, kColourFormat, extent_,
+                                        read | VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT);
         view.visibility = VK_NULL_HANDLE;
     }
     ones_ = makeImage(device_, {.format = VK_FORMAT_R8_UNORM,

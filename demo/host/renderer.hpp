@@ -93,6 +93,8 @@ public:
 
     const CameraMatrices& camera(uint32_t view = 0) const { return views_[view].camera; }
     const SceneState& state() const noexcept { return state_; }
+    /// The newest frame's picture, in TRANSFER_SRC_OPTIMAL behind its commands; until the next resize() took effect.
+    const Image& colour(uint32_t view = 0) const { return views_[view].images.colour; }
     VkDescriptorSetLayout frameSetLayout() const noexcept { return frameLayout_.get(); }
 
 private:

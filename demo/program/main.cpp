@@ -1,4 +1,6 @@
 // gnomon: runs scenes, measures methods, checks rules. See demo/README.md.
+#include <array>
+
 #include "demo/program/command_line.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/session.hpp"
@@ -34,41 +36,64 @@ void addSources(CLI::App& command, SourceSizes& sources)
         ->check(numberIn(0.0, 45.0));
 }
 
+/// What a picture of a scene takes, in a window or without.
+void addDrawing(CLI::App& command, RunOptions& options)
+{
+    command.add_option("SCENE", options.scene, kSceneHelp)->required();
+    auto* rules = command.add_option("--rules", options.rules, rulesHelp());
+    command.add_option("--method", options.method, "this method for every light it serves, instead of rules")
+        ->excludes(rules);
+    command.add_option("--knowledge", options.knowledge,
+                       "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one "
+                       "nearest to the device");
+    command.add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
+    command.add_option("--frames", options.frames, "number of frames; default: the scene's, of a window no end")
+        ->check(CLI::Range(1, 1000000));
+    command.add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 256));
+    command
+        .add_option("--budget,--budget-ms", options.budgetMs,
+                    "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
+        ->check(numberAbove0To(kMostBudget));
+    command.add_option("--plugin", options.plugins, "load this plug-in: its methods serve too; may be repeated");
+    command.add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
+    command.add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
+    command.add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
+    command.add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
+}
+
+/// What a window alone takes.
+std::array<CLI::Option*, 2> addWindowTests(CLI::App& command, RunOptions& options)
+{
+    return {
+        command.add_option("--screenshot", options.screenshot, "in a window: save its last picture here"),
+        command.add_option("--resize-test", options.resizeTest, "in a window: resize it that many times, then end")};
+}
+
 void addRun(CLI::App& app, RunOptions& options, int& exitCode)
 {
     CLI::App* run = app.add_subcommand("run", "draw a scene and log what was decided and what it cost");
-    run->add_option("SCENE", options.scene, kSceneHelp)->required();
-    auto* rules = run->add_option("--rules", options.rules, rulesHelp());
-    run->add_option("--method", options.method, "this method for every light it serves, instead of rules")
-        ->excludes(rules);
-    run->add_option("--knowledge", options.knowledge,
-                    "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one nearest "
-                    "to the device");
-    run->add_option("--size", options.size, "picture size, such as 1280x720; default: the scene's");
-    run->add_option("--frames", options.frames, "number of frames; default: the scene's")
-        ->check(CLI::Range(1, 1000000));
-    run->add_option("--lights", options.lights, "number of lights; default: the scene's")->check(CLI::Range(1, 256));
-    run->add_option("--budget,--budget-ms", options.budgetMs,
-                    "for all shadows of a frame, GPU and CPU; default: that of the rules, or none")
-        ->check(numberAbove0To(kMostBudget));
-    run->add_option("--plugin", options.plugins, "load this plug-in: its methods serve too; may be repeated");
+    addDrawing(*run, options);
     auto* out = run->add_option("--out", options.out, "folder for tables and pictures")->capture_default_str();
     auto* dump = run->add_option("--dump", options.dump, "folder for the last frame's data, for independent checks");
     run->add_option("--film", options.film,
                     "N: every N frames a picture with lights in their methods' colours, frame_*_film.png; others are "
                     "left out")
         ->check(CLI::Range(1, 1000));
-    run->add_option("--why", options.why, "FRAME:LIGHT[:METHOD]: print why (not) at the end; may be repeated");
-    auto* window =
-        run->add_flag("--window", options.window, "in a window, with a fly camera")->excludes(dump)->excludes(out);
-    run->add_flag("--recorded", options.recorded, "use gnCmdRenderShadows instead of gnSubmitShadows");
-    run->add_option("--in-flight", options.framesInFlight, "frames in flight")->check(CLI::Range(1, 8));
-    run->add_flag("--validate", options.validation, "run under the validation layer; a message is a failure");
-    run->add_option("--screenshot", options.screenshot, "with --window: save the window's last picture here")
-        ->needs(window);
-    run->add_option("--resize-test", options.resizeTest, "with --window: resize that many times, then end")
-        ->needs(window);
+    auto* window = run->add_flag("--window", options.window, "as `gnomon window`")->excludes(dump)->excludes(out);
+    for (CLI::Option* option : addWindowTests(*run, options))
+        option->needs(window);
     run->callback([&] { exitCode = options.window ? windowCommand(options) : runCommand(options); });
+}
+
+void addWindow(CLI::App& app, RunOptions& options, int& exitCode)
+{
+    CLI::App* window = app.add_subcommand("window", "a scene in a window, with a fly camera and a panel that explains");
+    addDrawing(*window, options);
+    addWindowTests(*window, options);
+    window->callback([&] {
+        options.window = true;
+        exitCode = windowCommand(options);
+    });
 }
 
 void addWhy(CLI::App& app, WhyOptions& options, int& exitCode)
@@ -274,6 +299,8 @@ int main(int argc, char** argv)
     ContactOptions contact;
     std::string rules, facts;
     addRun(app, run, exitCode);
+    RunOptions window;
+    addWindow(app, window, exitCode);
     WhyOptions why;
     addWhy(app, why, exitCode);
     addBench(app, bench, exitCode);

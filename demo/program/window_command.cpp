@@ -1,8 +1,10 @@
-// `gnomon run SCENE --window`.
+// `gnomon window SCENE`, and `gnomon run SCENE --window`.
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <utility>
 
@@ -17,8 +19,10 @@
 #include "demo/program/decision_log.hpp"
 #include "demo/program/frame_log.hpp"
 #include "demo/program/pictures.hpp"
-#include "demo/program/rule_watch.hpp"
 #include "demo/program/session.hpp"
+#include "demo/program/window_rules.hpp"
+#include "demo/program/window_settings.hpp"
+#include "demo/program/window_split.hpp"
 #if GNOMON_WITH_IMGUI
 #include "demo/program/window_panel.hpp"
 #endif
@@ -33,18 +37,26 @@ constexpr double kRadiansPerPixel = 0.004; // half a turn over 800 pixels
 constexpr const char* kHelp =
     "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
     "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, Y why it has its method,\n"
-    "      X what would change that, P pause,\n"
+    "      X what would change that, P pause, T lights in the colours of their methods or cadences,\n"
+    "      V splits the picture, right by ray_traced (the left mouse button moves the line), R records,\n"
     "      F1 panel (where this build has one), F12 screenshot.png, Esc quits\n";
 
 /// Follows the scene's camera until the first key, then flies.
 class FlyCamera {
 public:
-    CameraState update(Window& window, const CameraState& scripted, double seconds)
+    /// What the keys and the mouse are for something else is said by `keys` and `mouse`: false.
+    CameraState update(Window& window, const CameraState& scripted, double seconds, bool keys, bool mouse)
     {
         double dx = 0.0, dy = 0.0;
-        const bool looked = window.dragging(dx, dy);
+        bool looked = window.dragging(dx, dy);
+        if (!mouse) {
+            looked = false;
+            dx = dy = 0.0;
+        }
         glm::dvec3 move(0.0);
-        const auto axis = [&](int plus, int minus) { return double(window.held(plus)) - double(window.held(minus)); };
+        const auto axis = [&](int plus, int minus) {
+            return keys ? double(window.held(plus)) - double(window.held(minus)) : 0.0;
+        };
         move.x = axis(GLFW_KEY_D, GLFW_KEY_A);
         move.y = axis(GLFW_KEY_E, GLFW_KEY_Q);
         move.z = axis(GLFW_KEY_W, GLFW_KEY_S);
@@ -148,7 +160,14 @@ std::string titleFor(const Session& session, const FrameLog& log, double fps, ui
 {
     std::string title = "gnomon  " + session.scene.name + "  ";
     appendFixed(title, fps, 1);
-    title += " fps ";
+    title += " fps  ";
+    const GnFrameStats stats = session.shadows.stats();
+    appendFixed(title, double(stats.gpuMs + stats.gpuFrameCpuMs), 1);
+    if (stats.budgetMs > 0.0f) {
+        title += " of ";
+        appendFixed(title, double(stats.budgetMs), 1);
+    }
+    title += " ms ";
     for (const FrameLog::LightLine& line : log.newest()) {
         const bool isSelected =
             selected < session.scene.lights.size() && line.light == session.scene.lights[selected].name;
@@ -166,14 +185,15 @@ VkExtent2D testSize(uint32_t step)
 /// What the window shows, frame by frame, and what its keys do.
 class WindowRun {
 public:
-    WindowRun(const RunOptions& options, Session& session, RuleWatch& rules)
-        : options_(options), session_(session), rules_(rules),
+    WindowRun(const RunOptions& options, Session& session, WindowRules& rules, DecisionCollector& decisions)
+        : options_(options), session_(session), rules_(rules), decisions_(decisions),
           window_(session.device, session.renderer.extent(), "gnomon", options.framesInFlight),
 #if GNOMON_WITH_IMGUI
-          panel_(session, window_, options.framesInFlight),
+          panel_(session, window_, options.framesInFlight, settings_, rules),
 #endif
           keys_(session), log_(session.scene), duration_(frameTime(session.scene, session.scene.frames))
     {
+        settings_.budgetMs = options.budgetMs;
         if (options.frames > 0)
             lastFrame_ = options.frames;
         else if (options.resizeTest > 0)
@@ -184,11 +204,13 @@ public:
     {
         while (!window_.closed()) {
             window_.pollEvents();
-            rules_.poll(session_.shadows, [&] { decisions_.collect(session_.shadows); }); // under those that made them
+            rules_.poll();
             const Clock::time_point now = Clock::now();
             const double seconds = std::chrono::duration<double>(now - last_).count();
             last_ = now;
             takeKeys();
+            takeMouse();
+            prepareSplit();
             if (draw(seconds)) afterFrame(seconds);
         }
         if (!options_.screenshot.empty()) expect(writePng(options_.screenshot, session_.renderer.readColour()));
@@ -206,13 +228,58 @@ private:
     void takeKeys()
     {
         for (const int key : window_.takePressedKeys()) {
+            if (!keysAreOurs()) continue;
             keys_.press(key);
             if (key == GLFW_KEY_ESCAPE) window_.close();
             if (key == GLFW_KEY_P) paused_ = !paused_;
             if (key == GLFW_KEY_F12) screenshot_ = true;
             if (key == GLFW_KEY_F1) hasPanel_ = !hasPanel_;
             if (key == GLFW_KEY_C) fly_.followScript();
+            if (key == GLFW_KEY_T) settings_.tint = Tint((int(settings_.tint) + 1) % kTints);
+            if (key == GLFW_KEY_V) settings_.split = !settings_.split;
+            if (key == GLFW_KEY_R) settings_.recording = !settings_.recording;
         }
+    }
+
+    /// Not the panel's.
+    bool keysAreOurs() const
+    {
+#if GNOMON_WITH_IMGUI
+        return !hasPanel_ || !panel_.wantsKeys();
+#else
+        return true;
+#endif
+    }
+    bool mouseIsOurs() const
+    {
+#if GNOMON_WITH_IMGUI
+        return !hasPanel_ || !panel_.wantsMouse();
+#else
+        return true;
+#endif
+    }
+
+    void takeMouse()
+    {
+        if (const auto x = window_.pressedAt(); x && settings_.split && mouseIsOurs()) settings_.divider = *x;
+    }
+
+    /// Made when it is first asked for: it has a context of its own.
+    void prepareSplit()
+    {
+        if (!settings_.split || split_) return;
+        try {
+            split_.emplace(session_, options_);
+        } catch (const HostError& error) {
+            settings_.split = false;
+            say(std::string("no split picture: ") + error.what());
+        }
+    }
+
+    void say(const std::string& notice)
+    {
+        std::fprintf(stderr, "gnomon: %s\n", notice.c_str());
+        settings_.notice = notice;
     }
 
     /// False: the window has nothing to draw to.
@@ -220,16 +287,18 @@ private:
     {
         const double before = time_;
         if (!paused_) time_ = std::fmod(time_ + seconds, duration_);
-        const CameraState camera = fly_.update(window_, session_.camera(time_), seconds);
+        const CameraState camera = fly_.update(window_, session_.camera(time_), seconds, keysAreOurs(), mouseIsOurs());
         const bool cut = !fly_.flying() && (time_ < before || cameraCutsBetween(session_.scene, before, time_));
         return window_.frame([&](const PresentTarget& target) {
             session_.renderer.resize(target.extent);
+            if (settings_.split) split_->draw(time_, camera, target.extent);
             session_.renderer.draw({.time = time_,
                                     .cameras = {&camera, 1},
                                     .shadows = &session_.shadows,
                                     .recorded = options_.recorded,
-                                    .budgetMs = options_.budgetMs,
+                                    .budgetMs = settings_.budgetMs,
                                     .cameraCut = cut,
+                                    .lightColours = tints_,
                                     .present = &target,
                                     .overlay = overlay()});
         });
@@ -237,10 +306,66 @@ private:
 
     std::function<void(VkCommandBuffer, const Image&)> overlay()
     {
+        return [this](VkCommandBuffer cmd, const Image& picture) {
+            if (settings_.split && split_) split_->show(cmd, picture, settings_.divider);
 #if GNOMON_WITH_IMGUI
-        if (hasPanel_) return [this](VkCommandBuffer cmd, const Image& picture) { panel_.draw(cmd, picture); };
+            if (hasPanel_) panel_.draw(cmd, picture);
 #endif
-        return {};
+        };
+    }
+
+    /// Of the next frame's lights: what serves them is known when a frame is recorded.
+    void tint()
+    {
+        tints_.clear();
+        settings_.legend.clear();
+        if (settings_.tint == Tint::none) return;
+        const SceneState& state = session_.renderer.state();
+        tintByMethod(session_.scene, state, log_.newest(), tints_);
+        for (size_t i = 0; i < state.present.size() && i < log_.newest().size(); ++i) {
+            WindowSettings::LegendLine line{log_.newest()[i].method, methodColour(log_.newest()[i].method)};
+            if (settings_.tint == Tint::cadence) {
+                line = cadenceOf(state.present[i]);
+                tints_[state.present[i]] = lightTint(line.colour, session_.scene.lights[state.present[i]]);
+            }
+            const auto same = [&](const WindowSettings::LegendLine& known) { return known.text == line.text; };
+            if (std::none_of(settings_.legend.begin(), settings_.legend.end(), same))
+                settings_.legend.push_back(std::move(line));
+        }
+    }
+
+    WindowSettings::LegendLine cadenceOf(uint32_t light) const
+    {
+        GnDecision decision{};
+        gnGetDecision(session_.shadows.context(), session_.shadows.view(0), session_.shadows.light(light), &decision);
+        const uint32_t every = decision.redrawEvery;
+        if (every == 0) return {"no map, or drawn when something moves", {160, 160, 160}};
+        return {every == 1 ? "drawn every frame" : "drawn every " + std::to_string(every) + " frames",
+                seriesColour(size_t(std::bit_width(every)) - 1)};
+    }
+
+    /// Each frame as the window shows it, numbered, in a folder that was not there before.
+    void record()
+    {
+        namespace fs = std::filesystem;
+        if (!settings_.recording) {
+            recording_.clear();
+            return;
+        }
+        std::error_code error;
+        if (recording_.empty()) {
+            recorded_ = 0;
+            for (uint32_t number = 1; recording_.empty() || fs::exists(recording_, error); ++number)
+                recording_ = "recording_" + std::to_string(number);
+            fs::create_directory(recording_, error);
+            say("recording to " + fs::absolute(recording_, error).string());
+        }
+        char name[32];
+        std::snprintf(name, sizeof name, "frame_%05u.png", recorded_++);
+        if (const Status saved = writePng(recording_ / name, session_.renderer.readColour()); !saved) {
+            settings_.recording = false;
+            say(saved.error());
+        }
     }
 
     void afterFrame(double seconds)
@@ -251,6 +376,8 @@ private:
         smoothedMs_ = frame_ < 2 ? seconds * 1000.0 : 0.9 * smoothedMs_ + 0.1 * seconds * 1000.0; // some ten frames
         if (frame_++ % 10 == 0)
             window_.setTitle(titleFor(session_, log_, smoothedMs_ > 0.0 ? 1000.0 / smoothedMs_ : 0.0, keys_.light()));
+        tint();
+        record();
         if (std::exchange(screenshot_, false)) takeScreenshot();
         for (const std::string& message : session_.shadows.takeMessages())
             std::fprintf(stderr, "gnomon: %s\n", message.c_str());
@@ -262,13 +389,15 @@ private:
     /// A folder that cannot be written ends no run.
     void takeScreenshot()
     {
-        if (const Status saved = writePng("screenshot.png", session_.renderer.readColour()); !saved)
-            std::fprintf(stderr, "gnomon: %s\n", saved.error().c_str());
+        if (const Status saved = writePng("screenshot.png", session_.renderer.readColour()); !saved) say(saved.error());
     }
 
     const RunOptions& options_;
     Session& session_;
-    RuleWatch& rules_;
+    WindowRules& rules_;
+    DecisionCollector& decisions_;
+    WindowSettings settings_;
+    std::optional<SplitView> split_; ///< Goes after the window, whose end is the end of all commands.
     Window window_;
 #if GNOMON_WITH_IMGUI
     WindowPanel panel_;
@@ -277,7 +406,9 @@ private:
     MethodKeys keys_;
     FlyCamera fly_;
     FrameLog log_;
-    DecisionCollector decisions_;
+    std::vector<glm::vec3> tints_; ///< By light of the scene; empty: their own.
+    std::filesystem::path recording_;
+    uint32_t recorded_ = 0;                           ///< Pictures.
     double duration_, time_ = 0.0, smoothedMs_ = 0.0; ///< Seconds of the scene, twice.
     bool paused_ = false, screenshot_ = false;
     uint32_t frame_ = 0, resizes_ = 0;
@@ -297,14 +428,14 @@ int windowCommand(const RunOptions& options)
     SessionOptions sessionOptions = demo::sessionOptions(options);
     sessionOptions.instanceExtensions = system.instanceExtensions();
     Session session(sessionOptions);
-    RuleWatch watch(options.rules); // before they are read: a change from now on is one
-    const RuleText rules = valueOf(findRules(options.rules));
-    if (!rules.name.empty()) expect(session.shadows.loadRules(rules.text, rules.name, rules.preset));
+    DecisionCollector decisions;
+    WindowRules rules(session.shadows, options.rules,
+                      [&] { decisions.collect(session.shadows); }); // under those that made them
     if (!options.method.empty()) expect(session.shadows.pinAll(options.method));
     expect(session.shadows.warmUp());
 
     std::printf("%s", kHelp);
-    WindowRun run(options, session, watch);
+    WindowRun run(options, session, rules, decisions);
     run.untilClosed();
     requireSilence(session.device);
     run.print(questions);

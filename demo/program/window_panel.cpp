@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <utility>
 #include <vector>
 
 #define GLFW_INCLUDE_NONE
@@ -12,6 +13,7 @@
 #include <imgui_impl_vulkan.h>
 
 #include "demo/io/font.hpp"
+#include "demo/program/window_controls.hpp"
 
 namespace gnomon::demo {
 
@@ -98,6 +100,19 @@ float scaleTo(GLFWwindow* window)
     return scale;
 }
 
+/// The rules' variables as the panel draws them.
+std::vector<ImguiVariable> variablesOf(const rules::RuleBase* base)
+{
+    std::vector<ImguiVariable> variables;
+    if (!base) return variables;
+    for (const rules::Variable& variable : base->variables) {
+        variables.push_back({variable.name, variable.low, variable.high, {}});
+        for (const rules::Term& term : variable.terms)
+            variables.back().terms.push_back({term.name, term.shape.a, term.shape.b, term.shape.c, term.shape.d});
+    }
+    return variables;
+}
+
 } // namespace
 
 struct WindowPanel::Parts {
@@ -105,16 +120,29 @@ struct WindowPanel::Parts {
     using UniqueFramebuffer = Unique<VkFramebuffer, &vkDestroyFramebuffer>;
 
     Session& session;
+    WindowSettings& settings;
+    WindowRules& rules;
     UniquePass pass;
     UniqueDescriptorPool pool;
     std::vector<UniqueFramebuffer> framebuffers; ///< A frame in flight each.
     uint64_t frame = 0;
-    float scale = 1.0f; ///< Of the display.
+    float scale = 1.0f;                ///< Of the display.
+    float width = 0.0f, height = 0.0f; ///< Of the display, in the last frame.
     ImguiPanel panel;
+    uint32_t rulesVersion = 0; ///< That the panel draws.
+    WindowControls controls;
 };
 
-WindowPanel::WindowPanel(Session& session, const Window& window, uint32_t framesInFlight)
-    : parts_(new Parts{.session = session, .pass = {}, .pool = {}, .framebuffers = {}, .panel = {}})
+WindowPanel::WindowPanel(Session& session, const Window& window, uint32_t framesInFlight, WindowSettings& settings,
+                         WindowRules& rules)
+    : parts_(new Parts{.session = session,
+                       .settings = settings,
+                       .rules = rules,
+                       .pass = {},
+                       .pool = {},
+                       .framebuffers = {},
+                       .panel = {},
+                       .controls = {}})
 {
     const Device& device = session.device;
     parts_->pass = {device.handle, makePass(device, Renderer::kColourFormat)};
@@ -142,6 +170,16 @@ WindowPanel::~WindowPanel()
     ImGui::DestroyContext();
 }
 
+bool WindowPanel::wantsKeys() const
+{
+    return ImGui::GetIO().WantCaptureKeyboard;
+}
+
+bool WindowPanel::wantsMouse() const
+{
+    return ImGui::GetIO().WantCaptureMouse;
+}
+
 void WindowPanel::draw(VkCommandBuffer cmd, const Image& picture)
 {
     Parts& parts = *parts_;
@@ -165,14 +203,27 @@ void WindowPanel::draw(VkCommandBuffer cmd, const Image& picture)
     ImGui_ImplGlfw_NewFrame();
     ImGui::NewFrame();
     const ImVec2 whole = ImGui::GetIO().DisplaySize;
+    const float edge = 10.0f * parts.scale;
+    const float above = WindowControls::standsBeside(whole.x, parts.scale) ? 0.0f : edge + ImGui::GetFrameHeight();
+    const bool resized = parts.width != whole.x || parts.height != whole.y;
+    parts.width = whole.x;
+    parts.height = whole.y;
+    const ImGuiCond when = resized ? ImGuiCond_Always : ImGuiCond_FirstUseEver;
+    ImGui::SetNextWindowPos({edge, edge + above}, when);
     ImGui::SetNextWindowSize(
-        {std::min(840.0f * parts.scale, 0.92f * whole.x), std::min(340.0f * parts.scale, 0.8f * whole.y)},
-        ImGuiCond_FirstUseEver);
+        {std::min(840.0f * parts.scale, 0.92f * whole.x), std::min(600.0f * parts.scale, 0.8f * whole.y)}, when);
+    if (parts.settings.split) {
+        const float x = float(parts.settings.divider) * whole.x;
+        ImGui::GetBackgroundDrawList()->AddLine({x, 0.0f}, {x, whole.y}, IM_COL32_WHITE, 2.0f * parts.scale);
+    }
+    if (std::exchange(parts.rulesVersion, parts.rules.version()) != parts.rules.version())
+        parts.panel.setVariables(variablesOf(parts.rules.base()));
     std::vector<ImguiLight> lights;
     for (const uint32_t index : session.renderer.state().present)
         lights.push_back({session.shadows.light(index), session.scene.lights[index].name.c_str()});
     parts.panel.draw(session.shadows.context(), session.shadows.view(0), lights.data(),
                      static_cast<uint32_t>(lights.size()));
+    parts.controls.draw(parts.settings, parts.rules, parts.scale, resized);
     ImGui::Render();
     const VkRenderPassBeginInfo begin{.sType = VK_STRUCTURE_TYPE_RENDER_PASS_BEGIN_INFO,
                                       .renderPass = parts.pass.get(),

@@ -325,6 +325,21 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
     CHECK(gnomonProgram("replay x --seed -1", before).output.find("'-1' is below 0") != std::string::npos);
     for (const char* flags : {"--screenshot x.png", "--resize-test 3", "--window --dump d", "--window --out d"})
         CHECK(gnomonProgram(std::string("run room ") + flags, before).exitCode > 1);
+    for (const char* flags : {"--out d", "--dump d", "--film 2", "--method m --rules r"})
+        CHECK(gnomonProgram(std::string("window room ") + flags, before).exitCode > 1);
+}
+
+TEST_CASE("a window without a display ends in words, before a device is looked for")
+{
+    for (const char* command : {"window room", "run room --window"}) {
+        const Ran none = gnomonProgram(command, "env -u DISPLAY -u WAYLAND_DISPLAY GNOMON_DEVICE=none");
+        CHECK(none.exitCode == 1);
+        CHECK_MESSAGE(none.output.find("no window system: ") != std::string::npos, none.output);
+        CHECK_MESSAGE(none.output.find("`gnomon run` needs none") != std::string::npos, none.output);
+        const Ran absent = gnomonProgram(command, "env -u WAYLAND_DISPLAY DISPLAY=:4711 GNOMON_DEVICE=none");
+        CHECK(absent.exitCode == 1);
+        CHECK_MESSAGE(absent.output.find(":4711") != std::string::npos, absent.output);
+    }
 }
 
 TEST_CASE("exit codes tell a command line that is not understood from a command that fails")

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -160,20 +161,11 @@ size_t count(const Image8& picture, Is&& is)
     return found;
 }
 
-/// The share of pixels that are clearly different.
-double differing(const Image8& a, const Image8& b)
-{
-    size_t found = 0;
-    for (size_t i = 0; i < a.texels.size(); i += 3)
-        found += std::abs(int(a.texels[i]) - int(b.texels[i])) > 8;
-    return 3.0 * double(found) / double(a.texels.size());
-}
-
-/// The uppermost run of pixels as wide as a button; nothing: there is none.
+/// The uppermost run of pixels as wide as a button in gnomon's panel, at the left; nothing: there is none.
 std::optional<Rect> firstButton(const Image8& picture, uint32_t side)
 {
     for (uint32_t y = 0; y < picture.height; ++y)
-        for (uint32_t x = 0, run = 0; x < picture.width; ++x) {
+        for (uint32_t x = 0, run = 0; x < 860; ++x) {
             run = isArrowButton(picture.at(x, y)) ? run + 1 : 0;
             if (run == side * 3 / 4) return Rect{int32_t(x + 1 - run), int32_t(y), side, side};
         }
@@ -200,16 +192,30 @@ uint32_t letterRows(const Image8& picture)
     return rows;
 }
 
-/// The first method in the panel's list that the light may be given and does not have, and its place there.
-std::pair<uint32_t, std::string> otherMethod(uint32_t lights)
+/// The room with its second light absent, as a file in a folder.
+fs::path withoutSecondLight(const fs::path& folder)
 {
-    Session session({.scene = "room", .size = {64, 48}, .lights = lights});
+    std::ostringstream text;
+    text << std::ifstream(GNOMON_SHIPPED_SCENES "/room.yaml").rdbuf();
+    std::string scene = text.str();
+    const size_t light = scene.find("name: point2, ");
+    REQUIRE(light != std::string::npos);
+    scene.insert(light, "appear: 100, "); // seconds, of four
+    std::ofstream(folder / "room.yaml") << scene;
+    return folder / "room.yaml";
+}
+
+/// The first method in the panel's list that the first light may be given and does not have, and its place there.
+std::pair<uint32_t, std::string> otherMethod(const fs::path& scene, uint32_t lights)
+{
+    Session session({.scene = scene.string(), .size = {64, 48}, .lights = lights});
     const RuleText rules = valueOf(findRules("default"));
     expect(session.shadows.loadRules(rules.text, rules.name));
     expect(session.shadows.warmUp());
     const CameraState camera = session.camera(0.0);
     session.renderer.draw({.cameras = {&camera, 1}, .shadows = &session.shadows});
     session.renderer.waitForFrame(1);
+    REQUIRE(session.renderer.state().present == std::vector<uint32_t>{0, 2});
     uint32_t size = 0;
     const auto ask = [&](GnCandidate* into) {
         return gnGetCandidates(session.shadows.context(), session.shadows.view(0), session.shadows.light(0), &size,
@@ -225,92 +231,217 @@ std::pair<uint32_t, std::string> otherMethod(uint32_t lights)
     return {};
 }
 
+constexpr uint32_t kWidth = 1280, kHeight = 720;
+
+/// The program at work, and somebody before it.
+struct Driven {
+    Driven() : folder(fs::temp_directory_path() / ("gnomon_window_drive_" + std::to_string(scale)))
+    {
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+        scene = withoutSecondLight(folder);
+        other = otherMethod(scene, 3);
+        screen.setDotsPerInch(96 * scale);
+        program.emplace("window room.yaml --lights 3 --size " + std::to_string(kWidth) + "x" + std::to_string(kHeight),
+                        folder);
+        window = xdotool("search --sync --onlyvisible --name '^gnomon  room'");
+        REQUIRE(!window.empty());
+        xdotool("windowmove --sync " + window + " 0 0 windowfocus --sync " + window);
+    }
+    Image8 shown() { return screen.picture(kWidth, kHeight); }
+    void keep(const char* name) { REQUIRE(writePng(folder / name, shown())); }
+    static void press(const std::string& key) { xdotool("key " + key); }
+    std::string title() const { return xdotool("getwindowname " + window); }
+    bool titleSays(const std::string& text) const
+    {
+        return eventually([&] { return title().find(text) != std::string::npos; });
+    }
+    /// As slowly as a software device sees it. \param between what happens while the button is down.
+    static void mouse(int32_t x, int32_t y, int button, const std::string& between = "")
+    {
+        const std::string number = std::to_string(button);
+        xdotool("mousemove --sync " + std::to_string(x) + " " + std::to_string(y) + " sleep 1 mousedown " + number +
+                " sleep 1 " + between + " mouseup " + number + " sleep 1");
+    }
+    /// The milliseconds that the title gives to shadows; 0: no budget.
+    double budget() const
+    {
+        const std::string text = title();
+        const size_t of = text.find(" of ");
+        return of == std::string::npos ? 0.0 : std::atof(text.c_str() + of + 4);
+    }
+
+    const uint32_t scale = displayScale();
+    fs::path folder, scene;
+    std::pair<uint32_t, std::string> other;
+    Screen screen;
+    std::optional<Program> program;
+    std::string window;
+};
+
+/// The share of pixels in columns [left, right) and rows from `top` on that are clearly different.
+double differing(const Image8& a, const Image8& b, uint32_t left, uint32_t right, uint32_t top = 0)
+{
+    size_t found = 0;
+    for (uint32_t y = top; y < a.height; ++y)
+        for (uint32_t x = left; x < right; ++x) {
+            int most = 0;
+            for (int channel = 0; channel < 3; ++channel)
+                most = std::max(most, std::abs(int(a.at(x, y)[channel]) - int(b.at(x, y)[channel])));
+            found += most > 8;
+        }
+    return double(found) / (double(right - left) * (a.height - top));
+}
+double differing(const Image8& a, const Image8& b)
+{
+    return differing(a, b, 0, a.width);
+}
+
+/// Letters of 9 pixels and more at 96 dots an inch, and in proportion.
+void seeReadablePanel(Driven& it)
+{
+    const uint32_t scale = it.scale;
+    CHECK(eventually([&] { return colours(it.shown()) > 1000 && count(it.shown(), isTitle) > 4000 * scale * scale; }));
+    const uint32_t rows = letterRows(it.shown());
+    CHECK(rows >= 9 * scale);
+    CHECK(rows <= 20 * scale);
+    it.keep("panel.png");
+}
+
+/// A method by the panel's combo box, or by its key, and back.
+void pinMethod(Driven& it)
+{
+    const auto& [place, method] = it.other;
+    CHECK(it.title().find("[spot1: " + method + "]") == std::string::npos);
+    if (it.scale == 1) {
+        const uint32_t side = 20;  // of a combo box: letters of 14 and ImGui's 3 above and below
+        std::optional<Rect> arrow; // once a frame has lights
+        REQUIRE(eventually([&] { return (arrow = firstButton(it.shown(), side)).has_value(); }));
+        Driven::mouse(arrow->x + int32_t(side) / 2, arrow->y + int32_t(side) / 2, 1);
+        it.keep("open.png");
+        const auto lines = int32_t(1 + place); // behind "by the rules"
+        // Letters of 14, 4 between, a padding of 8.
+        Driven::mouse(arrow->x, arrow->y + int32_t(side) + 8 + 18 * lines + 8, 1);
+    } else {
+        Driven::press(std::to_string(place + 1)); // the list that the window prints is in the same order
+    }
+    CHECK_MESSAGE(it.titleSays("[spot1: " + method + "]"), it.title());
+    Driven::press("0"); // back to the rules
+    CHECK(eventually([&] { return it.title().find("[spot1: " + method + "]") == std::string::npos; }));
+    it.keep("switched.png");
+}
+
+/// The budget's slider stands at the top right. Digits that are typed there pin no method.
+void moveBudget(Driven& it)
+{
+    const int32_t x = 1036, y = 48; // the middle of the slider
+    CHECK(it.budget() == 0.0);
+    xdotool("keydown ctrl");
+    Driven::mouse(x, y, 1);
+    xdotool("keyup ctrl sleep 0.5 type --delay 500 25");
+    xdotool("sleep 1 keydown Return sleep 1 keyup Return sleep 1"); // ImGui sees what is down while it draws
+    CHECK_MESSAGE(it.titleSays(" of 25.0 ms"), it.title());
+    CHECK(it.title().find("[spot1: " + it.other.second + "]") == std::string::npos);
+    it.keep("budget.png");
+    Driven::mouse(x, y, 1, "mousemove_relative 80 0 sleep 1");
+    CHECK_MESSAGE(eventually([&] { return it.budget() > 50.0; }), it.title());
+    it.keep("more.png");
+}
+
+/// The right mouse button looks around over the picture, not over the panel.
+void lookAround(Driven& it, const Image8& still)
+{
+    Driven::mouse(640, 400, 3, "mousemove_relative 100 0 sleep 1");
+    CHECK(eventually([&] { return differing(it.shown(), still) > 0.2; }));
+    Driven::press("c");
+    CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
+    Driven::press("F1");
+    CHECK(eventually([&] { return count(it.shown(), isTitle) > 4000 * it.scale * it.scale; }));
+    Driven::mouse(300, 300, 3, "mousemove_relative 100 0 sleep 1");
+    CHECK(differing(it.shown(), still, 0, kWidth, kHeight - 40) < 0.02); // under the panel
+    Driven::press("F1");
+    CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
+}
+
+/// Colours by method, and the picture by `ray_traced`, which has none, right of a line that the mouse moves.
+void tintAndSplit(Driven& it, const Image8& still)
+{
+    Driven::press("t");
+    CHECK(eventually([&] { return differing(it.shown(), still) > 0.2; }));
+    const Image8 tinted = it.shown();
+    Driven::press("v");
+    CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 2, kWidth) < 0.03; }));
+    CHECK(differing(it.shown(), tinted, 0, kWidth / 2) < 0.02);
+    it.keep("split.png");
+    Driven::mouse(960, 400, 1, "mousemove_relative -- -640 0 sleep 1");
+    CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 4 + 4, kWidth) < 0.03; }));
+    CHECK(differing(it.shown(), tinted, 0, kWidth / 4 - 4) < 0.02);
+    Driven::press("v");
+    Driven::press("t");
+    CHECK(eventually([&] { return differing(it.shown(), tinted, 0, kWidth / 4) > 0.2; })); // by cadence: other colours
+    Driven::press("t");
+    CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
+}
+
+void record(Driven& it)
+{
+    Driven::press("r");
+    CHECK(eventually([&] { return isWholePng(it.folder / "recording_1" / "frame_00001.png"); }));
+    Driven::press("r");
+    const Outcome<Image8> first = readPng(it.folder / "recording_1" / "frame_00000.png", 3);
+    REQUIRE_MESSAGE(first, first.error());
+    CHECK(first->texels == it.shown().texels); // it stands still
+}
+
 } // namespace
 
 TEST_CASE("the window shows the scene and a readable panel, and does what keys and mouse ask for")
 {
-    constexpr uint32_t lights = 3;
-    const uint32_t scale = displayScale(), width = 1280, height = 720;
-    const std::pair<uint32_t, std::string> other = otherMethod(lights);
-    const uint32_t place = other.first;
-    const std::string& method = other.second;
-    const fs::path folder = fs::temp_directory_path() / ("gnomon_window_drive_" + std::to_string(scale));
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-    Screen screen;
-    screen.setDotsPerInch(96 * scale);
-    Program program("run room --lights 3 --window --size " + std::to_string(width) + "x" + std::to_string(height),
-                    folder);
-    const auto shown = [&] { return screen.picture(width, height); };
-    const auto keep = [&](const char* name) { REQUIRE(writePng(folder / name, shown())); };
-
-    const std::string window = xdotool("search --sync --onlyvisible --name '^gnomon  room'");
-    REQUIRE(!window.empty());
-    xdotool("windowmove --sync " + window + " 0 0 windowfocus --sync " + window);
-    const auto press = [&](const std::string& key) { xdotool("key " + key); };
-    CHECK(eventually([&] { return colours(shown()) > 1000 && count(shown(), isTitle) > 4000 * scale * scale; }));
-
-    // Readable: letters of 9 pixels and more at 96 dots an inch, and in proportion.
-    const uint32_t rows = letterRows(shown());
-    CHECK(rows >= 9 * scale);
-    CHECK(rows <= 20 * scale);
-    keep("panel.png");
-
-    // The method is another one once it was chosen in the panel, by the window's own title.
-    const auto title = [&] { return xdotool("getwindowname " + window); };
-    CHECK(title().find("[spot1: " + method + "]") == std::string::npos);
-    if (scale == 1) {
-        const uint32_t side = 20; // of a combo box: letters of 14 and ImGui's 3 above and below
-        std::optional<Rect> arrow; // once a frame has lights
-        REQUIRE(eventually([&] { return (arrow = firstButton(shown(), side)).has_value(); }));
-        const auto click = [&](int32_t x, int32_t y) {
-            xdotool("mousemove --sync " + std::to_string(x) + " " + std::to_string(y) +
-                    " sleep 0.5 mousedown 1 sleep 0.5 mouseup 1 sleep 1");
-        };
-        click(arrow->x + int32_t(side) / 2, arrow->y + int32_t(side) / 2);
-        keep("open.png");
-        const auto lines = int32_t(1 + place);                          // behind "by the rules"
-        click(arrow->x, arrow->y + int32_t(side) + 8 + 18 * lines + 8); // letters of 14, 4 between, a padding of 8
-    } else {
-        press(std::to_string(place + 1)); // the list that the window prints is in the same order
-    }
-    CHECK_MESSAGE(eventually([&] { return title().find("[spot1: " + method + "]") != std::string::npos; }), title());
-    press("0"); // back to the rules
-    CHECK(eventually([&] { return title().find("[spot1: " + method + "]") == std::string::npos; }));
-    press("Tab");
-    CHECK(eventually([&] { return title().find("[point2: ") != std::string::npos; }));
-    keep("pinned.png");
+    Driven it;
+    seeReadablePanel(it);
+    pinMethod(it);
+    if (it.scale == 1) moveBudget(it);
+    Driven::press("Tab"); // the second light is not there
+    CHECK_MESSAGE(it.titleSays("[spot3: "), it.title());
+    Driven::press("Tab");
+    CHECK_MESSAGE(it.titleSays("[spot1: "), it.title());
+    CHECK(it.title().find("point2") == std::string::npos);
 
     // Paused and without the panel the picture stands still, and the file is what the screen shows.
-    press("p");
-    press("F1");
-    CHECK(eventually([&] { return count(shown(), isTitle) < 200 * scale * scale; }));
+    Driven::press("p");
+    Driven::press("F1");
+    CHECK(eventually([&] { return count(it.shown(), isTitle) < 200 * it.scale * it.scale; }));
     CHECK(eventually([&] {
-        const Image8 before = shown();
+        const Image8 before = it.shown();
         std::this_thread::sleep_for(1s);
-        return shown().texels == before.texels; // fades are over
+        return it.shown().texels == before.texels; // fades are over
     }));
-    press("F12");
-    const fs::path file = folder / "screenshot.png";
+    Driven::press("F12");
+    const fs::path file = it.folder / "screenshot.png";
     CHECK(eventually([&] { return isWholePng(file); }));
     const Outcome<Image8> saved = readPng(file, 3);
     REQUIRE_MESSAGE(saved, saved.error());
-    CHECK(saved->width == width);
-    CHECK(saved->texels == shown().texels);
+    CHECK(saved->width == kWidth);
+    const Image8 still = it.shown();
+    CHECK(saved->texels == still.texels);
+    if (it.scale == 1) {
+        record(it);
+        tintAndSplit(it, still);
+        lookAround(it, still);
+    }
 
     // It flies forwards, and comes back; the rules may have changed a light's method on the way.
-    const Image8 still = shown();
     xdotool("keydown w");
-    CHECK(eventually([&] { return differing(shown(), still) > 0.2; }));
+    CHECK(eventually([&] { return differing(it.shown(), still) > 0.2; }));
     xdotool("keyup w");
-    press("c");
-    CHECK(eventually([&] { return differing(shown(), still) < 0.02; }));
-    press("Escape");
+    Driven::press("c");
+    CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
+    Driven::press("Escape");
     std::ostringstream said;
-    CHECK(program.wait() == 0);
-    said << std::ifstream(folder / "said.txt").rdbuf();
+    CHECK(it.program->wait() == 0);
+    said << std::ifstream(it.folder / "said.txt").rdbuf();
     CHECK_MESSAGE(said.str().find("switches") != std::string::npos, said.str()); // its summary
-    if (!std::getenv("GNOMON_KEEP_PICTURES")) fs::remove_all(folder);
+    if (!std::getenv("GNOMON_KEEP_PICTURES")) fs::remove_all(it.folder);
 }
 
 } // namespace gnomon::demo

@@ -23,7 +23,8 @@ inline const char* serverPurpose()
 inline int runUnderServer(const std::string& screen, const std::string& purpose, int argc, char** argv)
 {
     if (!canRun("xvfb-run") || !canRun("xauth")) return 77;
-    std::string command = "GNOMON_WINDOW_TEST=" + purpose + " xvfb-run -a -s '-screen 0 " + screen + "x24'";
+    std::string command = "GNOMON_WINDOW_TEST=" + purpose + " xvfb-run -a -s '-noreset -screen 0 " + screen +
+                          "x24'"; // else it is away for a moment after its last client
     for (int i = 0; i < argc; ++i)
         command += std::string(" '") + argv[i] + "'";
     return WEXITSTATUS(std::system(command.c_str()));
