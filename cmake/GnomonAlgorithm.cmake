@@ -39,8 +39,9 @@ function(gnomon_shared)
 endfunction()
 
 # gnomon_algorithm(shadow_map SOURCES shadow_map.cpp ... [SHADERS ...] [NEEDS ...] [LIBRARIES ...])
-# One algorithm of the folder's family: NAME.hpp declares its AlgorithmEntry, kShadowMap for shadow_map. Where suitability
-# is the same the algorithm that was named first serves. Entries of SHADERS are those of gnomon_embed_shaders().
+# One algorithm of the folder's family: NAME.cpp defines its AlgorithmEntry, kShadowMap for shadow_map, which the header
+# algorithms/entries.hpp, made here, declares. Where suitability is the same the algorithm that was named first serves.
+# Entries of SHADERS are those of gnomon_embed_shaders().
 function(gnomon_algorithm name)
     cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;SHADERS;NEEDS;LIBRARIES")
     if(ARG_UNPARSED_ARGUMENTS)
@@ -62,16 +63,17 @@ function(gnomon_algorithm name)
         string(TOUPPER "${first}" first)
         string(APPEND symbol "${first}${rest}")
     endforeach()
-    set_property(GLOBAL APPEND_STRING PROPERTY GNOMON_INCLUDES "#include \"algorithms/${family}/${name}.hpp\"\n")
+    set_property(GLOBAL APPEND_STRING PROPERTY GNOMON_DECLARATIONS "extern const AlgorithmEntry ${symbol};\n")
     set_property(GLOBAL APPEND_STRING PROPERTY GNOMON_ENTRIES "    {&${symbol}, \"${family}\"},\n")
 endfunction()
 
-# After all families: the registry and modules.txt, which tests read.
+# After all families: the entries' header, the registry, and modules.txt, which tests read.
 function(gnomon_write_registry)
-    get_property(includes GLOBAL PROPERTY GNOMON_INCLUDES)
+    get_property(declarations GLOBAL PROPERTY GNOMON_DECLARATIONS)
     get_property(entries GLOBAL PROPERTY GNOMON_ENTRIES)
     get_property(absent GLOBAL PROPERTY GNOMON_ABSENT)
     get_property(modules GLOBAL PROPERTY GNOMON_MODULES)
+    configure_file(entries.hpp.in "${CMAKE_CURRENT_BINARY_DIR}/generated/algorithms/entries.hpp" @ONLY)
     configure_file(registry.cpp.in "${CMAKE_CURRENT_BINARY_DIR}/generated/registry.cpp" @ONLY)
     target_sources(gnomon_algorithms PRIVATE "${CMAKE_CURRENT_BINARY_DIR}/generated/registry.cpp")
     list(JOIN modules "\n" modules)

@@ -1,4 +1,10 @@
-#include "algorithms/revectorized/rpcf.hpp"
+// Percentage-closer filtering of a depth map whose edges are lines: penumbrae of a fixed width, without the stairs and
+// steps that a map's texels make of them.
+// Source:    M. Macedo, "Efficient shadow anti-aliasing techniques using silhouette revectorization", 2018, 4.1.2.
+// Reads:     casters through the rasteriser, receiver depth, geometric normals.     Writes: visibility.
+// Strong at: even ramps from coarse maps.
+// Weak at:   cost; what is thinner than a texel.
+#include "algorithms/entries.hpp"
 
 #include "algorithms/revectorized/line_map.hpp"
 #include "algorithms/shared/contact.hpp"

@@ -48,13 +48,13 @@ TEST_CASE("every algorithm in the tree is in the registry, or known to be absent
         CHECK(std::string(algorithm.needs).starts_with("GNOMON_WITH_"));
         CHECK(known.insert(symbolOf(algorithm.name)).second);
     }
-    const std::regex declaration("extern const AlgorithmEntry (k[A-Za-z0-9]+);");
+    const std::regex definition("const AlgorithmEntry (k[A-Za-z0-9]+)\\{");
     std::size_t found = 0;
     for (const auto& file : std::filesystem::recursive_directory_iterator(kFolder)) {
-        if (file.path().extension() != ".hpp") continue;
+        if (file.path().extension() != ".cpp") continue;
         std::smatch match;
         const std::string text = textOf(file.path());
-        if (!std::regex_search(text, match, declaration)) continue;
+        if (!std::regex_search(text, match, definition)) continue;
         CAPTURE(file.path().string());
         CHECK(known.contains(match[1]));
         ++found;

@@ -1,5 +1,5 @@
 // penumbra_wedges on a device: what it keeps, that lights of one view do not disturb each other, and what it refuses.
-#include "algorithms/volumes/penumbra_wedges.hpp"
+#include "algorithms/entries.hpp"
 #include "device/memory_books.hpp"
 
 using namespace gnomon;

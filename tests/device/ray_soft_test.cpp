@@ -1,5 +1,5 @@
 // ray_soft from frame to frame: what its history survives, when it is held back, and what it takes of memory.
-#include "algorithms/hybrid/ray_soft.hpp"
+#include "algorithms/entries.hpp"
 #include "device/memory_books.hpp"
 
 #include <algorithm>

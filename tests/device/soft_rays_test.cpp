@@ -1,6 +1,6 @@
 // eight_point_hybrid and coherence_sampling from frame to frame: maps are kept while nothing moves, a picture depends
 // neither on threads nor on what else is in the view, memory is what the plan is told, and what they refuse.
-#include "algorithms/hybrid/eight_point_hybrid.hpp"
+#include "algorithms/entries.hpp"
 #include "device/memory_books.hpp"
 
 #include <algorithm>

@@ -3,12 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-#include "algorithms/volumes/all_edges_volume.hpp"
-#include "algorithms/volumes/chan_durand.hpp"
-#include "algorithms/volumes/mccool.hpp"
-#include "algorithms/volumes/octree_volume.hpp"
-#include "algorithms/volumes/projected_planar.hpp"
-#include "algorithms/volumes/stencil_volume.hpp"
+#include "algorithms/entries.hpp"
 #include "device/memory_books.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/topology.hpp"

@@ -69,6 +69,7 @@ function plain(path) { # without "x/../"
     return path
 }
 function found(from, name,    i, at) {
+    if (name == "algorithms/entries.hpp") return "runtime/algorithm.hpp" # made by CMake: includes that, and no more
     split(folder(from) "/ /runtime/include/ /shaders/", roots, " ")
     for (i = 1; i <= 4; ++i) {
         at = plain((i == 1 ? folder(from) "/" : i == 3 ? "runtime/include/" : i == 4 ? "shaders/" : "") name)
