@@ -162,7 +162,8 @@ rules:
     const std::string text = valueOf(readText(file));
     CHECK(text.find("<html") == std::string::npos);
     const SvgSurface surface(text.substr(text.find(">Best suited, all methods<")));
-    for (const auto& [x, y] : {std::pair(4.0, 0.8), std::pair(4.0, 0.1), std::pair(22.0, 0.8), std::pair(80.0, 0.5)}) {
+    for (const auto& place : {std::pair(4.0, 0.8), std::pair(4.0, 0.1), std::pair(22.0, 0.8), std::pair(80.0, 0.5)}) {
+        const double x = place.first, y = place.second; // clang 14 cannot capture structured bindings in lambdas
         CAPTURE(x);
         CAPTURE(y);
         const Ran explained = gnomonProgram("explain '" + rules + "' --facts viewerDistance=" + std::to_string(x) +
