@@ -20,6 +20,7 @@ struct ShadowTask {
     ImageId visibility;                ///< R8_UNORM array of the view. Every pixel of view->area must be written.
     ImageId depth;                     ///< 32-bit floats, the host's or a copy; sampled and copied only.
     ImageId normals;                   ///< Geometric normals, 16-bit or 32-bit floats; null id if there are none.
+    ImageId motion;                    ///< Motion vectors, CameraView::motionScale; null id if there are none.
     const TracedScene* rays = nullptr; ///< Where the device traces: holds all of `casters`. Null in refuses().
     bool recorded = false;             ///< gnCmdRenderShadows: no host passes.
 };

@@ -1,9 +1,8 @@
 // A few rays a pixel and frame to the surface of a light, and a filter over pixels and frames.
-// Source:    R. L. Cook, T. Porter, L. Carpenter, "Distributed ray tracing", SIGGRAPH 1984; the filter after C. Schied
-// et
-//            al., "Spatiotemporal variance-guided filtering", HPG 2017, and D. Zhdan, "Fast denoising with
+// Source:    R. L. Cook, T. Porter, L. Carpenter, "Distributed ray tracing", SIGGRAPH 1984; the filter after
+//            C. Schied et al., "Spatiotemporal variance-guided filtering", HPG 2017, and D. Zhdan, "Fast denoising with
 //            self-stabilizing recurrent blurs", GDC 2020.
-// Reads:     receiver depth and normals, acceleration structures of the casters.     Writes: visibility.
+// Reads:     receiver depth, normals and motion vectors, acceleration structures of the casters.  Writes: visibility.
 // Strong at: penumbrae of lights of any kind, right in contact and far away; converges while nothing moves.
 // Weak at:   devices with ray queries only; noise that grows with the penumbra for a few frames after a change.
 #include "algorithms/entries.hpp"
@@ -41,6 +40,7 @@ constexpr SettingSpec kSettings[] = {
 constexpr VkFormat kHistoryFormat = VK_FORMAT_R32G32B32A32_SFLOAT;
 constexpr VkFormat kSeenFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 constexpr VkFormat kFilteredFormat = kSeenFormat;
+constexpr VkFormat kMotionFormat = VK_FORMAT_R16G16_SFLOAT; // or others of floats
 
 // Where nothing was asked, as shaders have it: lit.
 constexpr VkClearValue kNotAsked{.color = {.float32 = {1.0f, -1.0f, 0.0f, 0.0f}}};
@@ -58,6 +58,9 @@ struct History {
     std::uint32_t pastView = 0;
     std::uint32_t number = 0; ///< Frames since it began.
     bool hasPast = false, moved = false;
+    bool byMotion = false; ///< The host's motion vectors lead to where it was.
+    /// What the past says is checked against this frame's rays.
+    bool held() const { return hasPast && (moved || byMotion); }
 };
 
 /// Two images take turns, as do the cameras beside them: a frame that is dropped leaves the past as it was.
@@ -91,7 +94,9 @@ History openHistory(PassBuilder& passes, const ShadowTask& task)
     history.hasPast = before.base == base && !view.cut;
     history.moved = changed;
     history.number = history.hasPast ? static_cast<std::uint32_t>(before.covered) + 1 : 0;
-    passes.keepParts(history.cameras, {.base = base, .covered = history.number});
+    const std::uint64_t before32 = (passes.frame() - 1) & UINT32_MAX; // the frame that motion vectors lead to
+    history.byMotion = history.hasPast && task.motion && before.covered >> 32 == before32;
+    passes.keepParts(history.cameras, {.base = base, .covered = passes.frame() << 32 | history.number});
     history.pastView = (history.number + 1) % 2;
     history.past = images[history.pastView];
     history.present = images[history.number % 2];
@@ -143,7 +148,8 @@ RaySoft::RaySoft(const AlgorithmServices& services)
         {.binding = 4, .kind = BindingKind::sampledImage, .format = kSeenFormat},
         {.binding = 5, .kind = BindingKind::sampledImage, .format = kHistoryFormat},
         {.binding = 6, .kind = BindingKind::storageBuffer},
-        {.binding = 7, .kind = BindingKind::sampledImage, .format = kFilteredFormat}};
+        {.binding = 7, .kind = BindingKind::sampledImage, .format = kFilteredFormat},
+        {.binding = 8, .kind = BindingKind::sampledImage, .format = kMotionFormat}};
     const BindingInfo tileBindings[] = {{.binding = 0, .kind = BindingKind::constants},
                                         {.binding = 2, .kind = BindingKind::sampledImage, .format = kSeenFormat}};
     GraphicsPipelineInfo info;
@@ -186,13 +192,15 @@ void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
     const auto rays = static_cast<std::uint32_t>(task.settings[kRays]);
     const History history = openHistory(passes, task);
     const std::uint32_t bits = (history.hasPast ? gpu::SOFT_HAS_PAST : 0u) | (history.moved ? gpu::SOFT_MOVED : 0u) |
+                               (history.byMotion ? gpu::SOFT_MOTION : 0u) |
                                (task.settings[kWeighted] != 0.0 ? gpu::SOFT_WEIGHTED : 0u);
     const gpu::RaySoftConstants constants{
         .base = rayConstants(task),
         .state = {bits, rays, history.number * rays, history.pastView},
         .disc = {discRadius(*task.light), static_cast<float>(task.settings[kFrames]), 0.0f, 0.0f},
         .sourceX = glm::vec4(task.light->sourceX, 0.0f),
-        .sourceY = glm::vec4(task.light->sourceY, 0.0f)};
+        .sourceY = glm::vec4(task.light->sourceY, 0.0f),
+        .motion = glm::vec4(task.view->motionScale, 0.0f)};
     const ImageId seen = passes.transient(ImageInfo{.name = "ray_soft.seen", .format = kSeenFormat, .extent = extent});
     const Part cleared{.clear = true, .value = kNotAsked};
     trace_.declare(passes, task, constants, seen, cleared);
@@ -200,8 +208,7 @@ void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
     const ImageId tiles = declareTiles(passes, task, seen, block);
     const ImageId once =
         passes.transient(ImageInfo{.name = "ray_soft.blurred", .format = kFilteredFormat, .extent = extent});
-    if (history.hasPast && history.moved)
-        declareBlur(passes, task, {"ray_soft.blur_now", seen, tiles, once, cleared, false}, block);
+    if (history.held()) declareBlur(passes, task, {"ray_soft.blur_now", seen, tiles, once, cleared, false}, block);
     declareAccumulation(passes, task, history, {seen, once}, block);
     declareBlur(passes, task, {"ray_soft.blur", history.present, tiles, once, cleared, false}, block);
     const Part layer = visibilityIn(*task.view, task.layer, lightPixels(*task.light, *task.view));
@@ -227,23 +234,25 @@ void RaySoft::declareAccumulation(PassBuilder& passes, const ShadowTask& task, c
     const ImageId seen = found.seen;
     const bool hasNormals = static_cast<bool>(task.normals);
     const ImageId depth = task.depth, normals = hasNormals ? task.normals : task.depth;
-    const bool held = history.hasPast && history.moved;
+    const bool held = history.held();
     const ImageId past = history.hasPast ? history.past : seen; // nobody looks at what there is not
     const ImageId now = held ? found.blurred : seen;
+    const ImageId motion = history.byMotion ? task.motion : seen;
     const VkRect2D pixels = lightPixels(*task.light, *task.view);
     PassRef pass = passes.raster("ray_soft.accumulate");
     pass.samples(depth).samples(seen).reads(history.cameras);
     if (hasNormals) pass.samples(normals);
     if (history.hasPast) pass.samples(past);
     if (held) pass.samples(now);
+    if (history.byMotion) pass.samples(motion);
     pass.writes(history.present, {.clear = true, .value = kNotAsked})
         .area(drawnArea(*task.view))
         .record([=, cameras = history.cameras, pipeline = accumulate_[hasNormals]](PassContext& gpu) {
             if (pixels.extent.width == 0) return;
             gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
-            gpu.bind(pipeline,
-                     {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
-                      gpu.sampled(4, seen), gpu.sampled(5, past), gpu.storage(6, cameras), gpu.sampled(7, now)});
+            gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
+                                gpu.sampled(4, seen), gpu.sampled(5, past), gpu.storage(6, cameras),
+                                gpu.sampled(7, now), gpu.sampled(8, motion)});
             gpu.drawFullscreen();
         });
     passes.transfer("ray_soft.camera")

@@ -168,6 +168,8 @@ void readTarget(CameraView& view, const GnViewFrame& frame)
                    .layered = frame.imageLayers != 0,
                    .layer = frame.imageLayer,
                    .encoding = frame.normalEncoding};
+    const float* const scale = frame.motionScale;
+    view.motionScale = {scale[0] != 0.0f ? scale[0] : 1.0f, scale[1] != 0.0f ? scale[1] : 1.0f, scale[2]};
 }
 
 } // namespace

@@ -203,6 +203,7 @@ std::optional<Error> LightPasses::declareMethod(std::uint32_t index, const Targe
                           .visibility = target.image,
                           .depth = viewFrame_.depth,
                           .normals = viewFrame_.normals,
+                          .motion = viewFrame_.motion,
                           .rays = traced,
                           .recorded = frame_.mode == FrameMode::recorded};
     if (traced || !onDevice) method.algorithm->declare(builder, task);

@@ -27,7 +27,7 @@ struct FrameInput {
 /// A view in one frame.
 struct ViewFrame {
     View* view = nullptr;
-    ImageId depth, normals, visibility;
+    ImageId depth, normals, motion, visibility;
     ImageId packed;           ///< What the host sees, of a packed view; `visibility` is then gnomon's own.
     std::uint32_t lights = 0; ///< Layers of `visibility` in use.
 };

@@ -136,6 +136,29 @@ Result<void> checkNormals(const GnViewFrame& frame, const char* viewName, const 
     return {};
 }
 
+Result<void> checkMotion(const GnViewFrame& frame, const char* viewName)
+{
+    if ((frame.motionImage != VK_NULL_HANDLE) != (frame.motionView != VK_NULL_HANDLE))
+        return wrong(GN_ERROR_NULL_ARGUMENT, "MotionHalf", viewName, "motionImage and motionView go together");
+    if (!frame.motionImage) return {};
+    if (auto r = checkFinite<float>(frame.motionScale, "motionScale", viewName); !r) return r;
+    switch (frame.motionFormat) {
+    case VK_FORMAT_R16G16_SFLOAT:
+    case VK_FORMAT_R32G32_SFLOAT:
+        if (frame.motionScale[2] == 0.0f) return {};
+        return wrong(GN_ERROR_OUT_OF_RANGE, "MotionFormat", viewName,
+                     "motionScale[2] is " + shortestText(double{frame.motionScale[2]}) + ", but motionFormat " +
+                         std::to_string(frame.motionFormat) + " has no third channel");
+    case VK_FORMAT_R16G16B16A16_SFLOAT:
+    case VK_FORMAT_R32G32B32A32_SFLOAT:
+        return {};
+    default:
+        return wrong(GN_ERROR_OUT_OF_RANGE, "MotionFormat", viewName,
+                     "motionFormat " + std::to_string(frame.motionFormat) +
+                         " is not one of two or four floats of 16 or 32 bits");
+    }
+}
+
 /// Samples and layers.
 Result<void> checkSource(const GnViewFrame& frame, const char* viewName, const DeviceTable& vk)
 {
@@ -181,6 +204,7 @@ Result<void> checkImages(const GnViewFrame& frame, const char* viewName, const D
     if ((frame.normalImage != VK_NULL_HANDLE) != (frame.normalView != VK_NULL_HANDLE))
         return wrong(GN_ERROR_NULL_ARGUMENT, "NormalsHalf", viewName, "normalImage and normalView go together");
     if (Result<void> ok = checkNormals(frame, viewName, vk); !ok) return ok;
+    if (Result<void> ok = checkMotion(frame, viewName); !ok) return ok;
     if (Result<void> ok = checkSource(frame, viewName, vk); !ok) return ok;
     const VkExtent2D extent = frame.imageExtent;
     if (extent.width == 0 || extent.height == 0)
@@ -239,6 +263,10 @@ Result<void> checkSharedImages(const GnFrameInfo& info, std::uint32_t index, con
         const bool sameKind = other.imageSamples == frame.imageSamples && other.imageLayers == frame.imageLayers;
         const bool same = sameSize && sameKind && (!depth || other.depthView == frame.depthView) &&
                           (!normals || other.normalView == frame.normalView);
+        if (frame.motionImage && other.motionImage == frame.motionImage && other.motionView != frame.motionView)
+            return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
+                         "view '" + name + "' shares motionImage with pViews[" + std::to_string(i) +
+                             "], but not its image view"};
         if ((depth || normals) && !same)
             return Error{GN_ERROR_OUT_OF_RANGE, "ImageShared",
                          "view '" + name + "' shares " + (depth ? "depthImage" : "normalImage") + " with pViews[" +

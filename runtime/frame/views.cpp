@@ -187,6 +187,7 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
     out.depth = import(given.depthImage, given.depthView, given.depthFormat, "host.depth");
     if (judgedByNormals(given))
         out.normals = import(given.normalImage, given.normalView, given.normalFormat, "host.normals");
+    if (given.motionImage) out.motion = import(given.motionImage, given.motionView, given.motionFormat, "host.motion");
     if (given.lightCount != 0) // else nobody reads them
         if (Result<void> copied = copyImages(out, parts); !copied) return copied;
     parts.pool.touch(*view.visibility);

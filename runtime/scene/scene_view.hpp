@@ -164,6 +164,7 @@ struct CameraView {
     VkExtent2D extent{};                         ///< Of the images.
     VkRect2D area{};                             ///< Pixels drawn.
     double origin[3]{};                          ///< World position of the zero of all coordinates here.
+    glm::vec3 motionScale{0.0f};                 ///< Of motion vectors, as GnViewFrame::motionScale; x and y not 0.
     ImageSource source;
     std::uint32_t id = 0;
     bool cut = false;

@@ -12,6 +12,7 @@ GN_SHARED_CONST int SOFT_TILE = 8;   // pixels along a side of a tile
 GN_SHARED_CONST uint SOFT_HAS_PAST = 1u; // the history is of this view and light
 GN_SHARED_CONST uint SOFT_MOVED = 2u;    // the light or casters have changed since
 GN_SHARED_CONST uint SOFT_WEIGHTED = 4u; // points count as they shine on a diffuse receiver, not by area
+GN_SHARED_CONST uint SOFT_MOTION = 8u;   // motion vectors lead to it
 
 // std140.
 struct RaySoftConstants {
@@ -21,9 +22,10 @@ struct RaySoftConstants {
                  // whose rays count at most
     vec4 sourceX; // xyz: half axes of a rectangle, metres; zero: a disc
     vec4 sourceY;
+    vec4 motion; // xyz: GnViewFrame::motionScale
 };
 GN_SHARED_OFFSET(RaySoftConstants, state, 256)
-GN_SHARED_SIZE(RaySoftConstants, 320)
+GN_SHARED_SIZE(RaySoftConstants, 336)
 
 GN_SHARED_END
 #endif

@@ -10,7 +10,8 @@ layout(set = 0, binding = 2) uniform sampler2D depthImage;
 layout(set = 0, binding = 3) uniform sampler2D normalImage;
 layout(set = 0, binding = 4) uniform sampler2D seenImage;
 layout(set = 0, binding = 5) uniform sampler2D pastImage;
-layout(set = 0, binding = 7) uniform sampler2D nowImage; // of this frame alone, blurred; where something has moved
+layout(set = 0, binding = 7) uniform sampler2D nowImage; // of this frame alone, blurred; where hold() asks
+layout(set = 0, binding = 8) uniform sampler2D motionImage;
 layout(set = 0, binding = 6, std430) readonly buffer SoftCameras {
     ViewConstants views[2];
 };
@@ -26,15 +27,49 @@ const float MOVED_FRAMES = 6.0;
 // Share of a pixel within which a place counts as drawn at the pixel's centre: a camera that stands still resamples nothing.
 const float SAME_PIXEL = 0.02;
 
-// The history of what is seen at the pixel, bilinear over those of four that lay on the same plane. z = 0: there is none.
-vec4 pastOf(Surface surface)
+// Pixels from where a surface at rest was drawn, above which a motion vector says that it moves. Vectors of 16-bit floats are
+// off by less up to a thousand pixels.
+const float MOVES = 0.5;
+
+// Where the surface was, in the history's view.
+struct Before {
+    vec2 drawn;    // pixels
+    vec3 atWs;
+    float slackWs; // how far from its plane the history may lie, metres
+};
+
+// Of a surface at rest.
+Before atRest(ViewConstants view, Surface surface)
 {
-    if ((constants.state.x & SOFT_HAS_PAST) == 0u) return vec4(0.0);
-    ViewConstants view = views[min(constants.state.w, 1u)];
+    return Before(drawnAt(view, constants.base.area, surface.atWs), surface.atWs, 2.0 * surface.pixelWs);
+}
+
+// As its motion vector says. @return false where it says nothing, or that it rests
+bool hasMoved(ViewConstants view, Surface surface, ivec2 pixel, inout Before before)
+{
+    if ((constants.state.x & SOFT_MOTION) == 0u) return false;
+    vec3 motion = texelFetch(motionImage, pixel, 0).xyz * constants.motion.xyz;
+    vec2 drawn = vec2(pixel) + 0.5 + motion.xy;
+    float pixels = length(drawn - before.drawn);
+    if (!(pixels > MOVES)) return false;
+    vec4 clip = view.clipFromWorld * vec4(surface.atWs, 1.0);
+    float away = viewDistance(view, clip.z / clip.w);
+    if (constants.motion.z != 0.0)
+        away = viewDistance(constants.base.view, surface.depth) + motion.z;
+    else
+        before.slackWs += pixels * surface.pixelWs; // it may have moved as far off its plane as across the view
+    before.drawn = drawn;
+    before.atWs = view.eyeWs.xyz + atDistanceWs(view, viewRayWs(view, drawn), away);
+    return true;
+}
+
+// The history of what is seen at the pixel, bilinear over those of four that lay on the same plane. z = 0: there is none.
+vec4 pastOf(ViewConstants view, Surface surface, Before before)
+{
     vec4 area = constants.base.area;
-    vec2 drawn = drawnAt(view, area, surface.atWs);
-    if (!isInside(area, drawn)) return vec4(0.0);
-    vec2 at = drawn - 0.5;
+    if (!isInside(area, before.drawn)) return vec4(0.0);
+    surface.atWs = before.atWs;
+    vec2 at = before.drawn - 0.5;
     if (all(lessThan(abs(at - round(at)), vec2(SAME_PIXEL)))) at = round(at);
     ivec2 first = ivec2(floor(at));
     vec2 part = at - floor(at);
@@ -46,7 +81,7 @@ vec4 pastOf(Surface surface)
         if (share.x * share.y == 0.0 || !isInside(area, vec2(pixel))) continue;
         vec4 past = texelFetch(pastImage, pixel, 0);
         if (!(past.z > 0.0)) continue;
-        if (!(offPlane(surface, placeWs(view, pixel, past.w)) <= 2.0 * surface.pixelWs)) continue;
+        if (!(offPlane(surface, placeWs(view, pixel, past.w)) <= before.slackWs)) continue;
         sum += share.x * share.y * past;
         weights += share.x * share.y;
     }
@@ -74,8 +109,19 @@ void main()
     history = vec4(now.xy, 0.0, 0.0);
     if (!(now.y >= 0.0)) return;
     Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
-    vec4 past = pastOf(surface);
-    if (past.z > 0.0 && (constants.state.x & SOFT_MOVED) != 0u) past = hold(past, pixel);
+    vec4 past = vec4(0.0);
+    if ((constants.state.x & SOFT_HAS_PAST) != 0u) {
+        ViewConstants view = views[min(constants.state.w, 1u)];
+        Before before = atRest(view, surface);
+        past = pastOf(view, surface, before);
+        bool moves = hasMoved(view, surface, pixel, before);
+        if (moves) { // its shadow may have come along, or stayed: this frame's rays say which
+            vec4 along = pastOf(view, surface, before);
+            float seen = texelFetch(nowImage, pixel, 0).x;
+            if (along.z > 0.0 && (!(past.z > 0.0) || abs(along.x - seen) < abs(past.x - seen))) past = along;
+        }
+        if (past.z > 0.0 && (moves || (constants.state.x & SOFT_MOVED) != 0u)) past = hold(past, pixel);
+    }
     float frames = min(past.z, max(constants.disc.y - 1.0, 0.0)) + now.z;
     float share = frames > 0.0 ? now.z / frames : 1.0;
     float width = now.y == 0.0 ? past.y : past.y > 0.0 ? mix(past.y, now.y, max(share, 0.1)) : now.y;

@@ -33,6 +33,14 @@ void orthographic(GnViewFrame& view)
     view.depthConvention = GN_DEPTH_REVERSED;
 }
 
+/// Some image as motion vectors; the frame ends before it is read.
+void moves(GnViewFrame& view, VkFormat format)
+{
+    view.motionImage = view.normalImage;
+    view.motionView = view.normalView;
+    view.motionFormat = format;
+}
+
 // Every row changes one thing of a good frame.
 const FrameCase kFrameCases[] = {
     {"frame 0", [](GnFrameInfo& f, Views&) { f.frame = 0; }, GN_ERROR_FRAME_ORDER, "frame is 0"},
@@ -144,6 +152,22 @@ const FrameCase kFrameCases[] = {
      GN_ERROR_UNSUPPORTED, "normalFormat 41"},
     {"normals in depth", [](GnFrameInfo&, Views& v) { v[0].normalFormat = VK_FORMAT_D32_SFLOAT; },
      GN_ERROR_OUT_OF_RANGE, "normalFormat 126"},
+    {"half a motion image", [](GnFrameInfo&, Views& v) { v[0].motionImage = v[0].normalImage; }, GN_ERROR_NULL_ARGUMENT,
+     "motionView"},
+    {"motion in integers", [](GnFrameInfo&, Views& v) { moves(v[0], VK_FORMAT_R16G16_SNORM); }, GN_ERROR_OUT_OF_RANGE,
+     "motionFormat 78"},
+    {"depth of motion without a channel",
+     [](GnFrameInfo&, Views& v) {
+         moves(v[0], VK_FORMAT_R16G16_SFLOAT);
+         v[0].motionScale[2] = 2.5f;
+     },
+     GN_ERROR_OUT_OF_RANGE, "motionScale[2] is 2.5, but motionFormat 83"},
+    {"motion of no scale",
+     [](GnFrameInfo&, Views& v) {
+         moves(v[0], VK_FORMAT_R16G16_SFLOAT);
+         v[0].motionScale[1] = kNaN;
+     },
+     GN_ERROR_NOT_A_NUMBER, "motionScale[1] is NaN"},
     {"no pixels", [](GnFrameInfo&, Views& v) { v[0].imageExtent.width = 0; }, GN_ERROR_EMPTY, "0x180"},
     {"more pixels than any device has", [](GnFrameInfo&, Views& v) { v[0].imageExtent.height = 1u << 30; },
      GN_ERROR_OUT_OF_RANGE, "1073741824"},

@@ -3,6 +3,8 @@
 #include "device/memory_books.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -96,4 +98,178 @@ TEST_CASE_FIXTURE(DeviceTest, "memory is what the plan is told")
     const VkDeviceSize told = kRaySoft.memoryFor(std::vector<double>{1.0, 256.0}, host.extent(), GN_LIGHT_TYPE_SPOT);
     CHECK(held <= told);
     CHECK(held >= told - told / 50);
+}
+
+namespace {
+
+/// What a host's motion vectors say of it.
+enum class Says { nothing, screen, depthToo, noNumber };
+
+/// A floor that fills what the camera sees, under casters that it does not see. Floor and casters move by so much a
+/// frame, and the host draws vectors of the floor: how far it has come since, as a share of the image.
+class Platform {
+public:
+    Platform(Says says, const glm::dvec3& floorStep, const glm::dvec3& casterStep)
+        : host(floorAndSun(), {.extent = {320, 180}}), says_(says), floorStep_(floorStep), casterStep_(casterStep),
+          image_(makeImage(device(), {.format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                      .extent = host.extent(),
+                                      .usage = VK_IMAGE_USAGE_SAMPLED_BIT | VK_IMAGE_USAGE_TRANSFER_DST_BIT})),
+          texels_(makeBuffer(device(), VkDeviceSize{sizeof(glm::vec4)} * 320 * 180, VK_BUFFER_USAGE_TRANSFER_SRC_BIT))
+    {
+        for (const size_t caster : {1, 2})
+            host.hide(caster);
+        host.pinAll(kSoft);
+    }
+
+    Image8 next()
+    {
+        host.scene.instances[0].pose.position += floorStep_;
+        for (const size_t caster : {1, 2})
+            host.scene.instances[caster].pose.position += casterStep_;
+        writeVectors();
+        host.require(host.draw({.call = Call::record,
+                                .adjust = [this](auto&, auto& views) { give(views[0]); },
+                                .around =
+                                    [this](VkCommandBuffer cmd, bool begins) {
+                                        if (begins) upload(cmd);
+                                    }}));
+        REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
+        return host.pictures()[0];
+    }
+    /// RMSE over the penumbra, against many rays.
+    double error(const Image8& picture) const
+    {
+        Host many(host.scene, {.extent = host.extent()});
+        for (const size_t caster : {1, 2})
+            many.hide(caster);
+        many.require(gnSetMethodSetting(many.context, "ray_traced", "samples", 256.0));
+        many.pinAll("ray_traced");
+        many.require(many.draw());
+        const Image8 truth = many.pictures()[0];
+        double sum = 0.0;
+        size_t count = 0;
+        for (size_t i = 0; i < truth.texels.size(); ++i) {
+            if (truth.texels[i] == 0 || truth.texels[i] == 255) continue;
+            const double off = (picture.texels[i] - truth.texels[i]) / 255.0;
+            sum += off * off;
+            ++count;
+        }
+        CHECK(count > 300);
+        return std::sqrt(sum / double(count));
+    }
+
+    Host host;
+
+private:
+    static Scene floorAndSun()
+    {
+        Scene scene = smallScene();
+        demo::Light& sun = scene.lights[0];
+        sun.kind = demo::LightKind::Directional;
+        sun.range = sun.innerAngle = sun.outerAngle = 0.0f;
+        sun.radius = 0.25f;
+        for (demo::Instance& instance : scene.instances)
+            instance.isStatic = false;
+        return scene;
+    }
+
+    void writeVectors()
+    {
+        const demo::CameraMatrices camera = cameraMatrices(host.scene, cameraAt(host.scene, 0.0), host.extent());
+        const VkExtent2D extent = host.extent();
+        const glm::dvec2 size(extent.width, extent.height);
+        const double height = host.scene.instances[0].pose.position.y + 0.1 - camera.eye.y; // of the floor's top
+        const std::span<glm::vec4> out = texels_.as<glm::vec4>();
+        for (uint32_t y = 0; y < extent.height; ++y)
+            for (uint32_t x = 0; x < extent.width; ++x) {
+                const glm::dvec2 at(x + 0.5, y + 0.5);
+                const glm::dvec3 ray(camera.rayCorner + float(at.x) * camera.rayDx + float(at.y) * camera.rayDy);
+                const double depth = height / ray.y;
+                const glm::dvec4 was = glm::dmat4(camera.clipFromEye) * glm::dvec4(depth * ray - floorStep_, 1.0);
+                const glm::dvec2 came = at - (glm::dvec2(was) / was.w * 0.5 + 0.5) * size;
+                out[y * extent.width + x] =
+                    says_ == Says::noNumber ? glm::vec4(std::nanf(""))
+                                            : glm::vec4(glm::vec2(came / size), float(was.w - depth), std::nanf(""));
+            }
+    }
+
+    void upload(VkCommandBuffer cmd)
+    {
+        using namespace demo;
+        constexpr Access before{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT}, // gnomon's reads of the frame before
+            copied{VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL},
+            read{VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, VK_ACCESS_2_MEMORY_READ_BIT,
+                 VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL};
+        cmdBarrier(cmd, std::array{imageBarrier(image_.get(), VK_IMAGE_ASPECT_COLOR_BIT, before, copied)});
+        const VkBufferImageCopy all{.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                    .imageExtent = {image_.extent.width, image_.extent.height, 1}};
+        vkCmdCopyBufferToImage(cmd, texels_.get(), image_.get(), copied.layout, 1, &all);
+        cmdBarrier(cmd, std::array{imageBarrier(image_.get(), VK_IMAGE_ASPECT_COLOR_BIT, copied, read)});
+    }
+
+    void give(GnViewFrame& view) const
+    {
+        if (says_ == Says::nothing) return;
+        view.motionImage = image_.get();
+        view.motionView = image_.view.get();
+        view.motionFormat = image_.format;
+        view.motionScale[0] = -static_cast<float>(view.imageExtent.width); // from now back, in pixels
+        view.motionScale[1] = -static_cast<float>(view.imageExtent.height);
+        view.motionScale[2] = says_ == Says::depthToo ? 1.0f : 0.0f;
+    }
+
+    Says says_;
+    glm::dvec3 floorStep_, casterStep_;
+    demo::Image image_;
+    demo::Buffer texels_;
+};
+
+/// After some frames.
+double errorOf(Says says, const glm::dvec3& floorStep, const glm::dvec3& casterStep)
+{
+    Platform platform(says, floorStep, casterStep);
+    Image8 picture;
+    for (int frame = 0; frame < 10; ++frame)
+        picture = platform.next();
+    return platform.error(picture);
+}
+
+} // namespace
+
+TEST_CASE_FIXTURE(DeviceTest, "motion vectors keep what is known of receivers that move with their shadows")
+{
+    if (!canTrace()) return;
+    struct Move {
+        const char* name;
+        glm::dvec3 step;
+    };
+    for (const auto& [name, step] : {Move{"up", {0.0, 0.25, 0.0}}, {"across", {0.25, 0.0, 0.0}}}) {
+        CAPTURE(std::string(name));
+        const double without = errorOf(Says::nothing, step, step), screen = errorOf(Says::screen, step, step),
+                     depthToo = errorOf(Says::depthToo, step, step);
+        MESSAGE(std::string(name) << ": RMSE in the penumbra " << without << " without vectors, " << screen << " with, "
+                                  << depthToo << " with depth");
+        CHECK(screen <= 0.95 * without);
+        CHECK(depthToo <= 0.95 * without);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "motion vectors of what moves under a shadow that stays leave no ghosts")
+{
+    if (!canTrace()) return;
+    const glm::dvec3 step(0.25, 0.0, 0.0), still(0.0);
+    const double without = errorOf(Says::nothing, step, still), with = errorOf(Says::depthToo, step, still);
+    MESSAGE("RMSE in the penumbra " << without << " without vectors, " << with << " with");
+    CHECK(with <= 1.35 * without);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "motion vectors change nothing at rest, or where they are no numbers")
+{
+    if (!canTrace()) return;
+    for (const auto& [says, step] :
+         {std::pair(Says::depthToo, glm::dvec3(0.0)), std::pair(Says::noNumber, glm::dvec3(0.1, 0.0, 0.0))}) {
+        Platform plain(Says::nothing, step, step), given(says, step, step);
+        for (int frame = 0; frame < 4; ++frame)
+            CHECK(differences(given.next(), plain.next()) == 0);
+    }
 }

@@ -49,7 +49,7 @@ typedef enum GnNormalEncoding {
     GN_NORMAL_ENCODING_MAX_ENUM = 0x7FFFFFFF
 } GnNormalEncoding;
 
-/** One view's part of a frame; read during the call only. The depth and normal images are in SHADER_READ_ONLY_OPTIMAL
+/** One view's part of a frame; read during the call only. Its images are in SHADER_READ_ONLY_OPTIMAL
 on entry and again on return; what was drawn into them must be available (a barrier to ALL_COMMANDS, or a semaphore).
 After the call gnomon's reads are pending on the queue: order your next writes after ALL_COMMANDS, and after
 gnBeginShadows() keep the contents until gnFinishShadows() has returned. Mip level 0 is read. Views may share an image
@@ -97,6 +97,15 @@ typedef struct GnViewFrame {
     GnNormalEncoding normalEncoding;
     VkBool32 shadingNormals;  ///< Normals are bent by normal maps: they are not read. Depth alone says then where rays
                               ///< start, and nothing is dark for facing away.
+    VkImage motionImage;      ///< Optional. Motion vectors, read by methods that average over frames (ray_soft): where
+                              ///< the surface at a pixel was drawn in frame `frame` - 1. They count where the view and
+                              ///< the light were in that frame, and it was not dropped. SAMPLED, one sample; layout
+                              ///< and barriers as the depth image's.
+    VkImageView motionView;   ///< 2D, whatever the depth image's layers are.
+    VkFormat motionFormat;    ///< R16G16_SFLOAT, R32G32_SFLOAT, R16G16B16A16_SFLOAT or R32G32B32A32_SFLOAT.
+    float motionScale[3];     ///< [0], [1]: times x and y it gives pixels from where the surface is to where it was,
+                              ///< jitter included; 0 means 1. [2]: times z it gives metres that the surface was farther
+                              ///< along the view's axis than it is; 0: not known, and z is not read. Finite.
 } GnViewFrame;
 
 /** What is special about a frame. */
