@@ -206,7 +206,7 @@ bool tracesRays(GnContext context)
         if ((method.traits & GN_TRAIT_DEVICE_RAYS_BIT) == 0) continue;
         ++methods;
         able += method.pUnavailable == nullptr;
-        if (method.pUnavailable) MESSAGE(method.pName << ": " << method.pUnavailable);
+        if (method.pUnavailable) MESSAGE(std::string(method.pName) << ": " << std::string(method.pUnavailable));
     }
     REQUIRE(methods > 0);
     CHECK(able == (given ? methods : 0));
