@@ -151,7 +151,7 @@ std::string commandOf(const PublishOptions& options)
 {
     std::string text = "gnomon publish";
     for (const std::string& scene : options.scenes)
-        text += " " + shellQuoted(scene);
+        text.append(" ").append(shellQuoted(scene));
     if (!options.methods.empty()) text += " --methods " + shellQuoted(options.methods);
     for (const std::string& table : options.from)
         text += " --from " + shellQuoted(table);

@@ -124,7 +124,7 @@ std::string tipOf(const Stretch& stretch, const LightTrack& light, const RunData
 {
     std::string text = light.name + ", " + framesText(stretch.first, stretch.last) + "\n" +
                        run.methods[stretch.method] + ", because of: " + stretch.reason;
-    if (std::isfinite(stretch.nearest)) text += "\n" + metres(stretch.nearest, stretch.farthest) + " from the eye";
+    if (std::isfinite(stretch.nearest)) text.append("\n").append(metres(stretch.nearest, stretch.farthest)).append(" from the eye");
     if (stretch.timed > 0) text += "\nmeasured " + fixed(stretch.measuredMs / stretch.timed, 2) + " ms";
     return text;
 }
