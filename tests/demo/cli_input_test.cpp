@@ -349,7 +349,7 @@ TEST_CASE("exit codes tell a command line that is not understood from a command 
     const std::string before = "cd '" + folder.path.string() + "' && GNOMON_DEVICE=none";
     const std::pair<const char*, const char*> usage[] = {
         {"", "A subcommand is required"},
-        {"nosuch --frames 6", "no command 'nosuch'; known: run, why, bench, "},
+        {"nosuch --frames 6", "no command 'nosuch'; known: run, window, why, bench, "},
         {"benhc room", "no command 'benhc'; did you mean 'bench'?"},
         {"run", "SCENE is required"},
         {"run room --nosuch", "--nosuch"},
