@@ -27,8 +27,8 @@ const float MOVED_FRAMES = 6.0;
 // Share of a pixel within which a place counts as drawn at the pixel's centre: a camera that stands still resamples nothing.
 const float SAME_PIXEL = 0.02;
 
-// Pixels from where a surface at rest was drawn, above which a motion vector says that it moves. Vectors of 16-bit floats are
-// off by less up to a thousand pixels.
+// Pixels from where a surface at rest was drawn, above which a motion vector says that it moves. Vectors of 16-bit
+// floats are off by less up to a thousand pixels.
 const float MOVES = 0.5;
 
 // Where the surface was, in the history's view.
