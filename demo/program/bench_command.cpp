@@ -41,6 +41,18 @@ struct Job {
     bool empty() const { return bareMaps.empty() && methods.empty(); }
 };
 
+/// Empty, with a note, where the method does not serve all of the lights.
+std::optional<BenchRow> tryMethod(SceneBench& bench, const Scene& scene, const Job::Method& method,
+                                  std::optional<uint32_t> map)
+{
+    try {
+        return bench.method(method.name, method.traits, map);
+    } catch (const HostError& error) {
+        noteLeftOut(scene.name, method.name, error);
+        return std::nullopt;
+    }
+}
+
 /// Null: the bare map can be measured.
 const char* reasonAgainstBare(const Scene& scene, uint32_t repeat)
 {
@@ -180,15 +192,21 @@ int benchCommand(const BenchOptions& options)
         if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later shall not take it along
         if (row.hasErrors) measured.rows.push_back(plottedRow(row, device->properties.deviceName));
     };
+    size_t asked = 0, served = 0;
     for (const Job& job : jobs) {
         SceneBench bench(*device, job.scene, options, choices);
         keep(bench.base());
         for (const uint32_t map : job.bareMaps)
             keep(bench.bare(map));
         for (const Job::Method& method : job.methods)
-            for (const std::optional<uint32_t>& map : method.maps)
-                keep(bench.method(method.name, method.traits, map));
+            for (const std::optional<uint32_t>& map : method.maps) {
+                const auto row = tryMethod(bench, job.scene, method, map);
+                ++asked;
+                served += row.has_value();
+                if (row) keep(*row);
+            }
     }
+    if (asked > 0 && served == 0) throw HostError("none of the methods asked for serves all of its lights");
     if (options.csv.empty()) std::printf("%s", csv.text().c_str());
     if (!options.plot.empty()) expect(writeFile(options.plot, errorPicture(measured)));
     requireSilence(*device);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 
 #include <glm/trigonometric.hpp>
 
@@ -154,12 +155,17 @@ std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D
 void settle(Session& session, const std::string& method, double time, bool recorded)
 {
     expect(session.shadows.warmUp(method));
-    constexpr uint32_t patience = 200; // frames; workers need far fewer after a warm-up
+    constexpr uint32_t patience = 64; // frames; workers need far fewer after a warm-up
     for (uint32_t i = 0; i < patience; ++i) {
         drawOnce(session, time, recorded);
         if (i + 1 >= kWarmFrames && !unpinnedLight(session)) return;
     }
-    throw HostError("a pinned method never became ready");
+    throw HostError(session.shadows.whyNot(*unpinnedLight(session), method));
+}
+
+void noteLeftOut(const std::string& scene, const std::string& method, const HostError& error)
+{
+    std::fprintf(stderr, "note: %s: %s is left out: %s\n", scene.c_str(), method.c_str(), error.what());
 }
 
 PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadows* other)

@@ -56,9 +56,13 @@ struct Truth {
 /// Empty where this build has no ray tracing.
 std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time);
 
-/// Draws until `method`, which all lights are pinned to, serves them (warm-up of that method alone, workers), then leaves
-/// the newest frame at `time`.
+/// Draws until `method`, which all lights are pinned to, serves them (warm-up of that method alone, workers), then
+/// leaves the newest frame at `time`. Throws HostError with gnomon's explanation where it does not come to serve them,
+/// for want of memory for instance.
 void settle(Session& session, const std::string& method, double time, bool recorded);
+
+/// One method shall not end a long measurement: what it failed with goes to the standard error output.
+void noteLeftOut(const std::string& scene, const std::string& method, const HostError& error);
 
 struct PairTimes {
     std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.

@@ -116,7 +116,7 @@ void measureLight(Device& device, const Scene& scene, const std::string& kind, c
         try {
             table.add(bench.method(info.pName, info.traits, std::nullopt), kind);
         } catch (const HostError& error) { // one method shall not end hours of measuring
-            std::fprintf(stderr, "note: %s: %s is left out: %s\n", scene.name.c_str(), info.pName, error.what());
+            noteLeftOut(scene.name, info.pName, error);
         }
     }
 }

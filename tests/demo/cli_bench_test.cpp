@@ -116,6 +116,21 @@ TEST_CASE("bench leaves out what a method does not take before it measures, and 
                   bare.output);
 }
 
+TEST_CASE(
+    "a method that the memory limit keeps from serving is named with gnomon's reason, and the others are measured")
+{
+    const Folder folder("short_memory");
+    const std::string before = "cd '" + folder.path.string() + "' &&", few = " --size 96x64 --repeat 3 --memory 8 ";
+    const Ran beside = gnomonProgram("bench torus_grid --methods shadow_map,ray_traced --map 4096" + few, before);
+    CHECK(beside.exitCode == 0);
+    CHECK_MESSAGE(beside.output.find("shadow_map is left out: light 'lamp'") != std::string::npos, beside.output);
+    CHECK(beside.output.find("memory: needs ") != std::string::npos);
+    CHECK(beside.output.find("torus_grid,ray_traced,1,") != std::string::npos);
+    const Ran alone = gnomonProgram("bench torus_grid --methods shadow_map --map 4096" + few, before);
+    CHECK(alone.exitCode == 1);
+    CHECK(alone.output.find("none of the methods") != std::string::npos);
+}
+
 TEST_CASE("a method that serves none of the lights is named, and where no other is left nothing is measured")
 {
     const Folder folder("unserved");
