@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "demo/program/measure.hpp"
 #include "demo/scene/primitives.hpp"
@@ -71,18 +70,6 @@ Scene walk(double vertices, uint32_t pairs)
     return scene;
 }
 
-/// Faces or paraboloids that the newest frame drew casters into.
-double partsDrawn(const Session& session)
-{
-    uint32_t count = 0;
-    gnGetFramePasses(session.shadows.context(), &count, nullptr);
-    std::vector<GnPassTiming> passes(count);
-    gnGetFramePasses(session.shadows.context(), &count, passes.data());
-    return double(std::ranges::count_if(passes, [](const GnPassTiming& pass) {
-        return std::string_view(pass.pName).find(".casters.") != std::string_view::npos;
-    }));
-}
-
 /// The frames of timePairs() again, for what they drew: the numbers of passes do not depend on time.
 double meanParts(Session& session, uint32_t pairs)
 {
@@ -91,7 +78,7 @@ double meanParts(Session& session, uint32_t pairs)
         const double time = frameTime(session.scene, kWarmFrames + i);
         const CameraState camera = session.camera(time);
         session.renderer.draw({.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows});
-        sum += partsDrawn(session);
+        sum += casterPasses(session);
     }
     return sum / pairs;
 }
@@ -119,6 +106,17 @@ Session makeSession(Device& device, const Scene& scene, uint32_t picture)
 }
 
 } // namespace
+
+uint32_t casterPasses(const Session& session)
+{
+    uint32_t count = 0;
+    gnGetFramePasses(session.shadows.context(), &count, nullptr);
+    std::vector<GnPassTiming> passes(count);
+    gnGetFramePasses(session.shadows.context(), &count, passes.data());
+    return static_cast<uint32_t>(std::ranges::count_if(passes, [](const GnPassTiming& pass) {
+        return std::string_view(pass.pName).find(kCasterPasses) != std::string_view::npos;
+    }));
+}
 
 Survey measureSurvey(Device& device, const SurveyOptions& options)
 {

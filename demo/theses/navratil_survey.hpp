@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "demo/program/session.hpp"
@@ -54,5 +55,10 @@ struct HemisphereTimes {
     SurveyTime cube, paraboloid;
 };
 HemisphereTimes measureHemisphere(Device& device, const SurveyOptions& options);
+
+/// In the names of passes that draw casters into a map.
+inline constexpr std::string_view kCasterPasses = ".casters";
+/// So many the newest frame had.
+uint32_t casterPasses(const Session& session);
 
 } // namespace gnomon::demo

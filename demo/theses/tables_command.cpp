@@ -1,5 +1,7 @@
 // The main tables of theses on shadows, ours beside the printed numbers.
+#include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include "demo/program/checks.hpp"
 #include "demo/theses/commands.hpp"
@@ -45,7 +47,17 @@ std::vector<PairTable> navratil(Device& device, const TablesOptions& options)
                                        map, time.frameMs, time.shadowsMs, time.parts, time.served ? "" : ", no memory");
                                }};
     const Survey walk = measureSurvey(device, survey);
-    return navratilTables(walk, measureHemisphere(device, survey));
+    std::vector<PairTable> tables = navratilTables(walk, measureHemisphere(device, survey));
+    const auto progress = [](const char* scene, const char* what, const WarpTime& time) {
+        std::fprintf(stderr, "%s, %s: frame %.1f ms, shadows %.1f ms, maps %.1f ms, look-up %.1f ms\n", scene, what,
+                     time.frameMs, time.shadowsMs, time.mapMs, time.lookupMs);
+    };
+    const WarpSurvey warps = measureWarps(device, {.picture = options.picture,
+                                                   .map = std::max(64u, options.picture / 2),
+                                                   .pairs = options.repeat,
+                                                   .measured = progress});
+    std::ranges::move(navratilWarpTables(warps), std::back_inserter(tables));
+    return tables;
 }
 
 std::vector<PairTable> macedoOf(Device& device, const TablesOptions& options)
