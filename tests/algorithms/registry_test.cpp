@@ -7,6 +7,8 @@
 #include <regex>
 #include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -84,6 +86,47 @@ TEST_CASE("every algorithm has its files, a source, sound traits, and a page tha
             CHECK(setting.minimum <= setting.standard);
             CHECK(setting.standard <= setting.maximum);
         }
+    }
+}
+
+namespace {
+
+/// Device bytes of a light whose maps have 1024 texels a side, all else by default but for one setting.
+VkDeviceSize bytesAt1024(std::string_view method, GnLightType type, std::string_view setting = {}, double value = 0.0)
+{
+    for (const auto& [entry, family] : builtinRegistry().algorithms) {
+        if (entry->name != method) continue;
+        std::vector<double> settings;
+        for (const SettingSpec& spec : entry->settings)
+            settings.push_back(spec.name == std::string_view("resolution") ? 1024.0
+                               : spec.name == setting                      ? value
+                                                                           : spec.standard);
+        return entry->memoryFor(settings, {1280, 720}, type);
+    }
+    FAIL("no such method");
+    return 0;
+}
+
+} // namespace
+
+// Navratil 2015, 3.3.3 (24 and 8 MB) and 5.4.2 (20 MB, which are the map and four images of its size).
+TEST_CASE(
+    "a cube is six images, two paraboloids a third of that, and a warp takes less than four images beside its map")
+{
+    constexpr VkDeviceSize kMap = 4 * 1024 * 1024, kStatics = 2; // a copy of what stands still
+    CHECK(bytesAt1024("shadow_map", GN_LIGHT_TYPE_SPOT) == kStatics * kMap);
+    CHECK(bytesAt1024("cube_map", GN_LIGHT_TYPE_POINT) == kStatics * 6 * kMap);
+    CHECK(bytesAt1024("dual_paraboloid", GN_LIGHT_TYPE_POINT) == kStatics * 2 * kMap);
+    for (const char* warp : {"rectilinear_warp", "nonorthogonal_warp"}) {
+        CAPTURE(std::string(warp));
+        const VkDeviceSize spot = bytesAt1024(warp, GN_LIGHT_TYPE_SPOT);
+        CHECK(spot > kMap);
+        CHECK(spot <= 5 * kMap);
+        const VkDeviceSize cube = bytesAt1024(warp, GN_LIGHT_TYPE_POINT, "paraboloids", 0.0),
+                           discs = bytesAt1024(warp, GN_LIGHT_TYPE_POINT, "paraboloids", 1.0);
+        CHECK(cube <= 6 * spot);
+        CHECK(discs <= 2 * spot);
+        CHECK(2 * discs <= cube); // what is pooled is rounded up
     }
 }
 

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "demo/scene/primitives.hpp"
 #include "exactness/stage.hpp"
+#include "exactness/testbed.hpp"
 
 namespace gnomon::exact {
 namespace {
@@ -111,7 +113,72 @@ double median(std::vector<double> values)
     return 0.5 * (values[values.size() / 2] + values[(values.size() - 1) / 2]);
 }
 
+constexpr double kField = 30.0; // metres, half a side
+
+/// Posts on a plain under a sun, seen from an eye that looks at the middle of it.
+Scene field(const glm::dvec3& eye)
+{
+    Scene scene;
+    scene.name = "field";
+    place(scene, "plain", demo::makeBox({.size = {2.0f * float(kField), 1.0f, 2.0f * float(kField)}}),
+          {0.0, -0.5, 0.0});
+    for (int i = 0; i < 196; ++i)
+        place(scene, "post", demo::makeBox({.size = {0.3f, 1.5f, 0.3f}}),
+              {-26.0 + 4.0 * (i % 14), 0.75, -26.0 + 4.0 * int(i / 14)});
+    demo::Light& sun = scene.lights.emplace_back();
+    sun.name = "sun";
+    sun.kind = LightKind::Directional;
+    sun.direction = glm::normalize(glm::dvec3(0.5, -1.0, 0.3));
+    scene.camera = {{.eye = eye, .target = {0.0, 0.0, 0.0}}};
+    return scene;
+}
+
+/// Of the plain, the rectangle around the receivers that are seen of it. So much of the map it has, nearly.
+double seenShare(const Stage& stage)
+{
+    const demo::CameraMatrices& camera = stage.camera;
+    const uint32_t width = stage.surfaces.depth.width;
+    glm::dvec2 low(kField), high(-kField);
+    for (size_t i = 0; i < stage.counted[0].size(); ++i) {
+        if (stage.counted[0][i] == 0) continue;
+        const glm::dvec2 pixel(double(i % width) + 0.5, double(i / width) + 0.5);
+        const double linear =
+            double(camera.depthScale) / (double(stage.surfaces.depth.texels[i]) + double(camera.depthAdd));
+        const glm::dvec3 at = camera.eye + linear * (glm::dvec3(camera.rayCorner) + pixel.x * glm::dvec3(camera.rayDx) +
+                                                     pixel.y * glm::dvec3(camera.rayDy));
+        low = glm::min(low, glm::dvec2(at.x, at.z));
+        high = glm::max(high, glm::dvec2(at.x, at.z));
+    }
+    return (high.x - low.x) * (high.y - low.y) / (4.0 * kField * kField);
+}
+
 } // namespace
+
+// Navratil 2015, 5.3.2.
+TEST_CASE("where little of a map is seen a crop to it does, where much is a warp is less wrong")
+{
+    const test::DeviceTest silence;
+    for (const bool much : {false, true}) {
+        Stage stage(field(much ? glm::dvec3(2.0, 3.0, 34.0) : glm::dvec3(0.5, 4.0, 3.0)), {320, 180});
+        const double share = seenShare(stage);
+        const auto wrong = [&](const char* method, Settings settings) {
+            return pooled(stage, stage.draw(method, sided(256, std::move(settings))));
+        };
+        const ErrorCount crop = wrong("shadow_map", {{"fit", 2.0}}), warp = wrong("nonorthogonal_warp", {}),
+                         plain = wrong("shadow_map", {{"fit", 0.0}});
+        MESSAGE("of the map " << 100.0 * share << " % seen: plain " << inWords(plain) << ", cropped " << inWords(crop)
+                              << ", warped " << inWords(warp));
+        CHECK(warp.counted > 10'000);
+        CHECK(warp.wrong() < plain.wrong());
+        if (much) {
+            CHECK(share > 0.5);
+            CHECK(warp.wrong() < crop.wrong());
+        } else {
+            CHECK(share < 0.05);
+            CHECK(double(crop.wrong()) <= 1.1 * double(warp.wrong()));
+        }
+    }
+}
 
 TEST_CASE("of 512 texels, warped ones are wrong on fewer pixels than plain ones are")
 {

@@ -105,6 +105,7 @@ TEST_CASE("where the view is near, every warped map is less wrong than a plain o
                                << inWords(all.psm) << ", LiSPSM " << inWords(all.lispsm));
     CHECK(percent(all.minimal) < 0.9 * percent(all.plain));
     CHECK(percent(all.desired) < 0.7 * percent(all.plain));
+    CHECK(all.desired.falseLit <= all.plain.falseLit); // a crop loses no caster
     CHECK(percent(all.trapezoidal) < 0.6 * percent(all.plain));
     CHECK(percent(all.lispsm) < 0.6 * percent(all.plain));
     CHECK(percent(all.lispsm) <= 1.05 * percent(all.psm));
