@@ -181,7 +181,7 @@ constinit const AlgorithmEntry kNonorthogonalWarp{
     .name = "nonorthogonal_warp",
     .source = "Navratil 2015, 4.2",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT,
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {

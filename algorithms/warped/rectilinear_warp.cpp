@@ -129,7 +129,7 @@ constinit const AlgorithmEntry kRectilinearWarp{
     .name = "rectilinear_warp",
     .source = "Rosen 2012; Navratil 2015, 3.2.3",
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT,
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D, GnLightType type) {

@@ -17,11 +17,12 @@
 
 namespace gnomon {
 
-/// On the CPU: as such, or what is made of them there. What traces on the device alone does not.
+/// On the CPU: as such, or what is made of them there. What reads them, or traces, on the device alone does not.
 inline bool readsTriangles(GnTraits traits)
 {
+    constexpr GnTraits onDevice = GN_TRAIT_DEVICE_RAYS_BIT | GN_TRAIT_GPU_POSITIONS_BIT;
     return (traits & (GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) != 0 ||
-           (traits & (GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT)) == GN_TRAIT_CPU_GEOMETRY_BIT;
+           (traits & (GN_TRAIT_CPU_GEOMETRY_BIT | onDevice)) == GN_TRAIT_CPU_GEOMETRY_BIT;
 }
 
 struct Method {

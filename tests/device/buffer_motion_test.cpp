@@ -174,7 +174,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a mesh that the GPU skins casts as its positions 
     const uint32_t waits = vulkanCalls().deviceWaitIdle + vulkanCalls().queueWaitIdle;
     uint32_t methods = 0;
     for (const GnMethodInfo& method : availableMethods(probe.context)) {
-        const bool byConnectivity = (method.traits & GN_TRAIT_GPU_POSITIONS_BIT) != 0;
+        const bool byConnectivity = readsTriangles(method) && (method.traits & GN_TRAIT_GPU_POSITIONS_BIT) != 0;
         if ((readsTriangles(method) && !byConnectivity) || method.roundTrips > 0) continue;
         CAPTURE(std::string(method.pName));
         ++methods;

@@ -150,7 +150,8 @@ GnMesh createOfArrays(const Host& host, const Mesh& mesh, VkFrontFace frontFace)
 bool readsTriangles(const GnMethodInfo& method)
 {
     if (method.traits & (GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_RAYS_BIT)) return true;
-    return (method.traits & GN_TRAIT_CPU_GEOMETRY_BIT) && !(method.traits & GN_TRAIT_DEVICE_RAYS_BIT);
+    return (method.traits & GN_TRAIT_CPU_GEOMETRY_BIT) &&
+           !(method.traits & (GN_TRAIT_DEVICE_RAYS_BIT | GN_TRAIT_GPU_POSITIONS_BIT));
 }
 
 Scene sceneFor(const GnMethodInfo& method)

@@ -436,8 +436,8 @@ typedef enum GnTraitBits {
     GN_TRAIT_PLANAR_BIT = 0x800,        ///< Right on the plane that most receivers lie on, and nowhere else.
     GN_TRAIT_DEVICE_RAYS_BIT = 0x1000,  ///< Traces rays on the device: needs its acceleration structures of casters. Of
                                         ///< built-in methods alone.
-    GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Of topology it needs edges and faces alone: sees meshes in buffers that
-                                         ///< are rewritten in every frame, once they have been copied in some pose.
+    GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Reads positions on the GPU alone: sees meshes in buffers that are written
+                                         ///< in every frame; with topology once they have been copied in some pose.
     GN_TRAIT_RECTANGLE_BIT = 0x4000,     ///< Shows penumbrae of #GN_SOURCE_SHAPE_RECTANGLE as they are.
     GN_TRAIT_GPU_TRANSFORMS_BIT = 0x8000, ///< Reads transforms on the GPU alone: sees instances that have theirs in a
                                           ///< buffer (GnTransformBuffer). Of built-in methods alone.
