@@ -16,6 +16,7 @@
 
 #include "algorithms/maps/page_requests.hpp"
 #include "algorithms/maps/page_slots.hpp"
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps_virtual_map_frag.h"
@@ -25,12 +26,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kDensity };
+enum Setting { kResolution, kFilter, kDensity, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of all pages together, laid out as a square.", 64, 8192, 2048, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
     {"density", "Texels to a pixel along its sides, where there is room for so many.", 1, 4, 2},
+    kContactSetting,
 };
 
 constexpr std::uint32_t kPagesPerSide = 16;  ///< Of the square: 256 layers, which every device has.
@@ -164,7 +166,8 @@ PageTable tableOf(std::span<const PlacedPage> pages, const PageRequests& request
 
 class VirtualMap final : public ShadowAlgorithm {
 public:
-    explicit VirtualMap(const AlgorithmServices& services) : casters_(makeDepthMapPipelines(services))
+    explicit VirtualMap(const AlgorithmServices& services)
+        : casters_(makeDepthMapPipelines(services)), contact_(services)
     {
         for (const bool normals : {false, true})
             for (const bool filtered : {false, true})
@@ -194,6 +197,7 @@ public:
                                           -kept.requests.firstLevel()));
         const PageTable table = tableOf(pages, kept.requests, grid, constants, arena);
         declareResolve(passes, task, image, constants, declareTable(passes, table));
+        contact_.declare(passes, task, task.settings[kContact]);
     }
 
 private:
@@ -291,6 +295,7 @@ private:
     }
 
     DepthMapPipelines casters_;
+    ContactShadows contact_;
     PipelineId resolve_[2][2];                     ///< [has normals][filtered]
     std::unordered_map<std::uint64_t, Kept> kept_; ///< By view and light.
 };

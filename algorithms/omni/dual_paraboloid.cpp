@@ -13,12 +13,13 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kCulling };
+enum Setting { kResolution, kFilter, kCulling, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the two halves.", 64, 4096, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
     kCullingSetting,
+    kContactSetting,
 };
 
 constexpr ParaboloidNames kNames{
@@ -39,8 +40,11 @@ public:
         const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const MapCulling culling = mapCulling(task.settings[kCulling]);
         const float reach = casterReach(*task.light, sceneBounds(*task.casters));
-        maps_.declare(passes, task, lowerAndUpper(task, resolution, reach, culling), resolution, reach,
-                      filterSide(task.settings[kFilter]), culling);
+        maps_.declare(passes, task, lowerAndUpper(task, resolution, reach, culling), reach,
+                      {.resolution = resolution,
+                       .filterSide = filterSide(task.settings[kFilter]),
+                       .culling = culling,
+                       .contact = task.settings[kContact]});
     }
 
     const Map* lightMap() const override { return &maps_.map(); }

@@ -17,7 +17,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kCulling, kWidest };
+enum Setting { kResolution, kFilter, kCulling, kWidest, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, and of each of the two halves where one does not serve.", 64, 4096,
@@ -26,6 +26,7 @@ constexpr SettingSpec kSettings[] = {
     kCullingSetting,
     {"widest_cone", "Half angle, degrees, of the widest cone that one paraboloid is cut to; 0: two halves always.", 0,
      85, 80},
+    kContactSetting,
 };
 
 constexpr ParaboloidNames kNames{
@@ -55,7 +56,11 @@ public:
         const bool one = !nothing && widest > 0.0 && cone.cosine >= static_cast<float>(std::cos(widest));
         maps_.declare(passes, task,
                       one ? cutToCone(task, cone, resolution, reach) : lowerAndUpper(task, resolution, reach, culling),
-                      resolution, reach, filterSide(task.settings[kFilter]), culling);
+                      reach,
+                      {.resolution = resolution,
+                       .filterSide = filterSide(task.settings[kFilter]),
+                       .culling = culling,
+                       .contact = task.settings[kContact]});
     }
 
     const Map* lightMap() const override { return &maps_.map(); }

@@ -99,21 +99,23 @@ ParaboloidMaps::Pipelines ParaboloidMaps::makePipelines(const AlgorithmServices&
 
 ParaboloidMaps::ParaboloidMaps(const AlgorithmServices& services, const ParaboloidNames& names)
     : names_(names), pipelines_(makePipelines(services)),
-      resolve_(services, {.name = names.resolve, .fragment = k_omni_paraboloid_frag, .layers = true})
+      resolve_(services, {.name = names.resolve, .fragment = k_omni_paraboloid_frag, .layers = true}),
+      contact_(services)
 {
 }
 
-void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set,
-                             std::uint32_t resolution, float reach, std::uint32_t filterSide, MapCulling culling)
+void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set, float reach,
+                             const ParaboloidSettings& settings)
 {
-    const ImageId image = declareParts(passes, task, set, resolution, reach, culling);
+    const ImageId image = declareParts(passes, task, set, settings.resolution, reach, settings.culling);
     gpu::ParaboloidConstants constants{};
-    constants.base = mapConstants(task, resolution, filterSide);
+    constants.base = mapConstants(task, settings.resolution, settings.filterSide);
     constants.base.map.farWs = reach;
     constants.parts[0] = set.parts[0];
     constants.parts[1] = set.parts[1];
     constants.firstWs = glm::vec4(set.firstWs, 0.0f);
-    resolve_.declare(passes, task, image, constants, filterSide > 1);
+    resolve_.declare(passes, task, image, constants, settings.filterSide > 1);
+    contact_.declare(passes, task, settings.contact);
     map_ = {.image = image,
             .clipFromWorld = {},
             .validLayers = set.needed,

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "algorithms/omni/cut_casters.hpp"
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/kept_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
@@ -22,6 +23,14 @@ struct ParaboloidNames {
     LayerNames parts[2];
 };
 
+/// What the host sets of all of these methods.
+struct ParaboloidSettings {
+    std::uint32_t resolution;
+    std::uint32_t filterSide; ///< Texels, odd.
+    MapCulling culling;
+    double contact; ///< kContactSetting
+};
+
 /// One per method.
 class ParaboloidMaps {
 public:
@@ -29,9 +38,8 @@ public:
 
     /// Declares the parts that are out of date and the pass that writes the task's layer of visibility.
     /// @param reach distance of depth 1, metres: casterReach()
-    /// @param filterSide texels, odd
-    void declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set, std::uint32_t resolution,
-                 float reach, std::uint32_t filterSide, MapCulling culling);
+    void declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set, float reach,
+                 const ParaboloidSettings& settings);
 
     const ShadowAlgorithm::Map& map() const { return map_; }
 
@@ -50,6 +58,7 @@ private:
     const ParaboloidNames& names_;
     Pipelines pipelines_;
     MapResolve resolve_;
+    ContactShadows contact_;
     CasterCutter cutter_;
     ShadowAlgorithm::Map map_;
 };

@@ -16,13 +16,14 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kCulling, kSkew };
+enum Setting { kResolution, kFilter, kCulling, kSkew, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the two halves.", 64, 4096, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
     kCullingSetting,
     {"skew", "Degrees by which the paraboloids lean away from where the view looks; 0: two plain halves.", 0, 45, 30},
+    kContactSetting,
 };
 
 constexpr ParaboloidNames kNames{
@@ -49,7 +50,11 @@ public:
         maps_.declare(passes, task,
                       skewedHalves(task, beside(dense), dense, static_cast<float>(glm::radians(task.settings[kSkew])),
                                    resolution, reach, culling),
-                      resolution, reach, filterSide(task.settings[kFilter]), culling);
+                      reach,
+                      {.resolution = resolution,
+                       .filterSide = filterSide(task.settings[kFilter]),
+                       .culling = culling,
+                       .contact = task.settings[kContact]});
     }
 
     const Map* lightMap() const override { return &maps_.map(); }

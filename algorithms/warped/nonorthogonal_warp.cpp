@@ -23,7 +23,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kSmoothing, kEven, kPower, kParaboloids };
+enum Setting { kResolution, kSmoothing, kEven, kPower, kParaboloids, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 4096, 1024, true},
@@ -32,6 +32,7 @@ constexpr SettingSpec kSettings[] = {
     {"power", "Of the number of receivers in a cell: 1 gives every texel as many; 2/3 the fewest wrong pixels.", 0.1, 1,
      0.67},
     kParaboloidsSetting,
+    kContactSetting,
 };
 
 constexpr std::uint32_t kRowsGroup = 16, kEdgesGroup = 64, kPlacesGroup = 64;
@@ -99,7 +100,7 @@ public:
             declareTables(passes, *plan);
         }
         map_.declareCasters(passes, task, *warp, sizes.tables, due);
-        map_.declareLookup(passes, task, *warp);
+        map_.declareLookup(passes, task, *warp, task.settings[kContact]);
     }
 
     const char* refuses(const ShadowTask& task) const override { return warpRefuses(vk_, task); }

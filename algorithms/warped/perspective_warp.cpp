@@ -20,13 +20,14 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kForm, kFit };
+enum Setting { kResolution, kFilter, kForm, kFit, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
     {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
     {"form", "0: PSM, the perspective of the view; 1: LiSPSM, a weaker one across the light.", 0, 1, 1},
     {"fit", "1: the smallest rectangle around what is seen serves where it is finer.", 0, 1, 0},
+    kContactSetting,
 };
 
 constexpr ViewMapNames kNames{
@@ -135,7 +136,8 @@ public:
         const bool ofView = task.settings[kForm] < 0.5;
         const Warp warp = ofView ? viewWarp(task, source) : lightSpaceWarp(source.part);
         map_.declare(passes, task, source, warp,
-                     {resolution, task.settings[kFilter], task.settings[kFit] >= 0.5, ofView ? 1.0 : 4.0});
+                     {resolution, task.settings[kFilter], task.settings[kFit] >= 0.5, task.settings[kContact],
+                      ofView ? 1.0 : 4.0});
     }
 
     const Map* lightMap() const override { return map_.lightMap(); }

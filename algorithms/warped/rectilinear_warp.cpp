@@ -20,7 +20,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kBlur, kEven, kPower, kGreatest, kParaboloids };
+enum Setting { kResolution, kBlur, kEven, kPower, kGreatest, kParaboloids, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 4096, 1024, true},
@@ -29,6 +29,7 @@ constexpr SettingSpec kSettings[] = {
     {"power", "Of a column's importance: 0.5 the fewest wrong pixels; 0 whatever is seen is as important.", 0, 1, 0.5},
     {"greatest", "1: a column is as important as its nearest receiver is near; 0: as all receivers together.", 0, 1, 0},
     kParaboloidsSetting,
+    kContactSetting,
 };
 
 constexpr std::uint32_t kPlacesGroup = 64;
@@ -92,7 +93,7 @@ public:
         if (due == WarpDue::all)
             declareTables(passes, *warp, map_.declareImportance(passes, task, *warp, kImportanceBytes));
         map_.declareCasters(passes, task, *warp, tables, due);
-        map_.declareLookup(passes, task, *warp);
+        map_.declareLookup(passes, task, *warp, task.settings[kContact]);
     }
 
     const char* refuses(const ShadowTask& task) const override { return warpRefuses(vk_, task); }

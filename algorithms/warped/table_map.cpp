@@ -270,7 +270,7 @@ void copyPlaces(PassContext& gpu, const WarpTask& warp, const WarpTables& tables
 
 } // namespace
 
-TableMap::TableMap(const AlgorithmServices& services, const TableMapInfo& info) : info_(info)
+TableMap::TableMap(const AlgorithmServices& services, const TableMapInfo& info) : info_(info), contact_(services)
 {
     for (const bool discs : {false, true})
         for (const bool open : {false, true})
@@ -384,7 +384,7 @@ void TableMap::declareCasters(PassBuilder& passes, const ShadowTask& task, const
     }
 }
 
-void TableMap::declareLookup(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp) const
+void TableMap::declareLookup(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp, double contact) const
 {
     const LookupImages look(task, warp.map);
     LookupPass resolve(passes, task, info_.resolve, look);
@@ -394,6 +394,7 @@ void TableMap::declareLookup(PassBuilder& passes, const ShadowTask& task, const 
                  {gpu.constants(0, shared->constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                   gpu.sampled(4, look.map), gpu.storage(5, shared->tables), gpu.sampled(6, shared->places)});
     });
+    contact_.declare(passes, task, contact);
 }
 
 const char* warpRefuses(const DeviceTable& vk, const ShadowTask& task)

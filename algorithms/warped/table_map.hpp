@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/light_fit.hpp"
@@ -91,14 +92,15 @@ public:
     /// Draws the casters, once the tables are made: into maps that receivers were counted in, or into the others.
     void declareCasters(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp, const WarpTables& tables,
                         WarpDue due) const;
-    /// Writes the task's layer of visibility.
-    void declareLookup(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp) const;
+    /// Writes the task's layer of visibility. @param contact kContactSetting
+    void declareLookup(PassBuilder& passes, const ShadowTask& task, const WarpTask& warp, double contact) const;
 
 private:
     TableMapInfo info_;
     PipelineId importance_[2][3]; ///< [has normals][shape]
     PipelineId casters_[2][2];    ///< [discs][open]
     PipelineId resolve_[2][3];    ///< [has normals][shape]
+    ContactShadows contact_;
 };
 
 /// Why a warp cannot serve a light: its casters' meshes are pulled from buffers, which have a largest size.

@@ -15,7 +15,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kFocus, kFit };
+enum Setting { kResolution, kFilter, kFocus, kFit, kContact };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map.", 64, 8192, 1024, true},
@@ -23,6 +23,7 @@ constexpr SettingSpec kSettings[] = {
     {"focus", "Part of the view's depth, by its logarithm, that gets 80 % of the map's length; 1: no warp.", 0.05, 1,
      0.8},
     {"fit", "1: the smallest rectangle around what is seen serves where it is finer.", 0, 1, 0},
+    kContactSetting,
 };
 
 constexpr ViewMapNames kNames{"trapezoidal.depth",
@@ -54,7 +55,7 @@ public:
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const WarpSource source = map_.source(passes, task, resolution);
         map_.declare(passes, task, source, warpOf(source.part, task.settings[kFocus]),
-                     {resolution, task.settings[kFilter], task.settings[kFit] >= 0.5, 4.0});
+                     {resolution, task.settings[kFilter], task.settings[kFit] >= 0.5, task.settings[kContact], 4.0});
     }
 
     const Map* lightMap() const override { return map_.lightMap(); }

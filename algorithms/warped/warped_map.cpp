@@ -21,7 +21,7 @@ constexpr double kMostStrength = 256.0;
 
 WarpedMap::WarpedMap(const AlgorithmServices& services, const char* resolveName, const ViewMapNames& names)
     : casters_(makeDepthMapPipelines(services)),
-      resolve_(services, {.name = resolveName, .fragment = k_warped_warped_map_frag}), names_(names)
+      resolve_(services, {.name = resolveName, .fragment = k_warped_warped_map_frag}), contact_(services), names_(names)
 {
 }
 
@@ -48,6 +48,7 @@ void WarpedMap::declare(PassBuilder& passes, const ShadowTask& task, const WarpS
     gpu::MapConstants constants = mapConstants(task, settings.resolution, filterSide(settings.filter));
     addWarpedProjection(constants, *fit, task);
     resolve_.declare(passes, task, map.image, constants);
+    contact_.declare(passes, task, settings.contact);
     map_ = {.image = map.image, .clipFromWorld = {fit->clipFromWorld}};
 }
 

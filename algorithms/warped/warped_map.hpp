@@ -2,6 +2,7 @@
 // The depth map of a directional or spot light whose texels are not of one size, and its look-up.
 #include <cstdint>
 
+#include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/shared/trapezoid.hpp"
@@ -18,6 +19,7 @@ struct WarpSettings {
     std::uint32_t resolution;
     double filter;
     bool minimal;    ///< The smallest rectangle around what is seen is asked too.
+    double contact;  ///< kContactSetting
     double most = 1; ///< Up to how many times the warp's strength is asked: a power of two.
 };
 
@@ -36,6 +38,7 @@ public:
 private:
     DepthMapPipelines casters_;
     MapResolve resolve_;
+    ContactShadows contact_;
     ViewMapNames names_;
     ShadowAlgorithm::Map map_;
 };
