@@ -66,10 +66,10 @@ void addGaps(gpu::AreaConstants& constants, const LightView& light, std::uint32_
 {
     const float part = 2.0f / static_cast<float>(1u << level);
     const glm::vec3 x = glm::normalize(glm::cross(light.direction(), axisAcross(light.direction())));
-    const bool disc = !light.rectangular();
-    constants.gapX = glm::vec4(part * (disc ? discRadius(light) * x : light.sourceX), 0.0f);
+    const bool flat = light.flat();
+    constants.gapX = glm::vec4(part * (flat ? light.sourceX : discRadius(light) * x), 0.0f);
     constants.gapY =
-        glm::vec4(part * (disc ? discRadius(light) * glm::cross(light.direction(), x) : light.sourceY), 0.0f);
+        glm::vec4(part * (flat ? light.sourceY : discRadius(light) * glm::cross(light.direction(), x)), 0.0f);
 }
 
 Rect areaOf(const ShadowTask& task)

@@ -198,7 +198,7 @@ void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
         .base = rayConstants(task),
         .state = {bits, rays, history.number * rays, history.pastView},
         .disc = {discRadius(*task.light), static_cast<float>(task.settings[kFrames]), 0.0f, 0.0f},
-        .sourceX = glm::vec4(task.light->sourceX, 0.0f),
+        .sourceX = glm::vec4(task.light->sourceX, task.light->rectangular() ? 0.0f : 1.0f),
         .sourceY = glm::vec4(task.light->sourceY, 0.0f),
         .motion = glm::vec4(task.view->motionScale, 0.0f)};
     const ImageId seen = passes.transient(ImageInfo{.name = "ray_soft.seen", .format = kSeenFormat, .extent = extent});

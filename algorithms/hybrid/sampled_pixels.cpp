@@ -53,7 +53,8 @@ LightDisc sourceOf(const LightView& light, const ShadowRay& centre, std::uint64_
         return source;
     }
     const float angle = 2.0f * std::numbers::pi_v<float> * unit(key);
-    const LightDisc disc(centre.direction, axisAcross(centre.direction), discRadius(light));
+    LightDisc disc(centre.direction, axisAcross(centre.direction), discRadius(light));
+    if (light.flat()) disc.x = light.sourceX, disc.y = light.sourceY;
     source.x = std::cos(angle) * disc.x + std::sin(angle) * disc.y;
     source.y = std::cos(angle) * disc.y - std::sin(angle) * disc.x;
     return source;

@@ -75,7 +75,7 @@ namespace {
 /// since its integral along any line through the sphere is pi. Along the line it is spread as the cosine of an angle.
 glm::vec3 offsetOf(const LightView& light, SourcePoint place)
 {
-    if (light.rectangular()) return place.at.x * light.sourceX + place.at.y * light.sourceY;
+    if (light.flat()) return place.at.x * light.sourceX + place.at.y * light.sourceY;
     const bool point = light.type == GN_LIGHT_TYPE_POINT; // shines all ways
     const glm::vec3 along = point ? glm::vec3(0.0f, -1.0f, 0.0f) : light.direction();
     const glm::vec3 x = glm::normalize(glm::cross(along, axisAcross(along)));

@@ -59,6 +59,7 @@ GnLightInfo toGnLight(const Light& light, const LightState& state)
     info.range = light.range;
     info.coneAngle = light.kind == LightKind::Spot ? light.outerAngle : 0.0f;
     info.sourceRadius = light.radius;
+    if (light.disc) info.sourceShape = GN_SOURCE_SHAPE_DISC;
     if (light.rectangle.x > 0.0f) {
         info.sourceRadius = 0.0f;
         info.sourceShape = GN_SOURCE_SHAPE_RECTANGLE;

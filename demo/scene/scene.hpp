@@ -98,6 +98,7 @@ struct Light {
     float importance = 1.0f;                 ///< > 0; weight in the selector's plan.
     uint32_t casterMask = 0xffffffffu;
     bool isStatic = false; ///< A promise: neither keys nor orbit.
+    bool disc = false;     ///< Spot: the source is a disc across `direction`; else, without `rectangle`, a sphere.
     double appear = -std::numeric_limits<double>::infinity();
     double disappear = std::numeric_limits<double>::infinity(); ///< Present in [appear, disappear).
     std::vector<LightKey> keys;

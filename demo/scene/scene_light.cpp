@@ -40,6 +40,17 @@ void readCone(MapReader& map, Light& light)
     light.innerAngle = static_cast<float>(toRadians(inner));
 }
 
+void readDisc(MapReader& map, Light& light)
+{
+    const YamlNode* node = map.find("disc");
+    if (node == nullptr) return;
+    for (const char* other : {"rectangle", "radius"})
+        if (map.find(other) != nullptr)
+            raise(map.context(), *node, std::string("a light has a disc or a ") + other + ", not both");
+    light.radius = map.needFloat("disc");
+    light.disc = true;
+}
+
 void readRectangle(MapReader& map, Light& light)
 {
     const YamlNode* node = map.find("rectangle");
@@ -152,6 +163,7 @@ void readLight(ReadContext context, const YamlNode& node, std::vector<Light>& li
     readLightKeys(map, light);
     if (light.keys.empty()) readPlace(map, light.kind, light.position, light.direction);
     if (light.kind == LightKind::Spot) readCone(map, light);
+    if (light.kind == LightKind::Spot) readDisc(map, light);
     if (light.kind == LightKind::Spot) readRectangle(map, light);
     if (light.kind != LightKind::Directional) {
         light.range = map.needFloat("range");

@@ -207,6 +207,7 @@ inline constexpr Key kLightEntries[] = {{"name", &kText, "no two lights' the sam
                                         {"cone", &kCone, "spot"},
                                         {"range", &kPositive, "metres; spot, point"},
                                         {"radius", &kNotNegative, "of the source, metres; spot, point"},
+                                        {"disc", &kPositive, "radius of the source, metres, instead of `radius`; spot"},
                                         {"rectangle", &kRectangle, "the source, instead of `radius`; spot"},
                                         {"radius_degrees", &kDisc, "half angle of the source's disc; directional"},
                                         {"colour", &kPositiveVector},

@@ -100,11 +100,13 @@ struct LightView {
     std::uint32_t id = 0; ///< Stable identity over frames, from 1; never another light's.
     GnLight handle = VK_NULL_HANDLE;
     GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL;
+    GnSourceShape sourceShape = GN_SOURCE_SHAPE_SPHERE;
     const char* name = "";
-    gpu::LightConstants constants{};        ///< Position relative to the origin.
-    float coneAngle = 0.0f;                 ///< Spot: half angle, radians.
-    glm::vec3 sourceX{0.0f}, sourceY{0.0f}; ///< Half axes of a rectangle, metres. Zero: a disc. constants.sourceRadius
-                                            ///< is that of the disc, or of one that has the rectangle's area.
+    gpu::LightConstants constants{}; ///< Position relative to the origin.
+    float coneAngle = 0.0f;          ///< Spot: half angle, radians.
+    /// Half axes of a flat source, a rectangle or a disc, metres. Zero: a sphere, or the sun. constants.sourceRadius is
+    /// that of sphere, sun or disc, or of a disc that has the rectangle's area.
+    glm::vec3 sourceX{0.0f}, sourceY{0.0f};
     std::uint32_t mask = kAllMasks;
     std::uint64_t revision = 0; ///< Unique over all lights; changes when the description or the origin does.
     bool isStatic = false;      ///< Static flag set and never moved.
@@ -112,9 +114,10 @@ struct LightView {
     float importance = 1.0f;    ///< Weight in the plan. Changing it alone is no new revision: no map depends on it.
 
     bool unlimited() const { return constants.range >= kUnlimitedRange; }
-    bool rectangular() const { return sourceX != glm::vec3(0.0f); }
+    bool flat() const { return sourceX != glm::vec3(0.0f); }
+    bool rectangular() const { return flat() && sourceShape == GN_SOURCE_SHAPE_RECTANGLE; }
     /// Metres from its position to the farthest point of its source.
-    float sourceReach() const { return std::max(constants.sourceRadius, glm::length(sourceX + sourceY)); }
+    float sourceReach() const { return rectangular() ? glm::length(sourceX + sourceY) : constants.sourceRadius; }
     glm::vec3 position() const { return glm::vec3(constants.positionWs); }
     glm::vec3 direction() const { return glm::vec3(constants.directionWs); }
 };

@@ -28,7 +28,7 @@ bool sameLamp(const LightView& a, const LightView& b)
 {
     return a.type == b.type && a.mask == b.mask && a.coneAngle == b.coneAngle && a.isStatic == b.isStatic &&
            a.constants.range == b.constants.range && a.constants.sourceRadius == b.constants.sourceRadius &&
-           a.rectangular() == b.rectangular();
+           a.sourceShape == b.sourceShape;
 }
 
 /// Texels that a directional light's turn shifts shadows by: at most what it shifts those of the whole scene's depth

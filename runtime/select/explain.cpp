@@ -145,12 +145,12 @@ std::string cadenceLine(const DecisionRecord& record)
            (record.mapAge == 0 ? std::string("new") : std::to_string(record.mapAge) + " frames old");
 }
 
-/// Of a rectangular source where the method knows discs only.
+/// Of a flat source where the method knows spheres only.
 std::string sourceLine(const DecisionRecord& record, const ExplainWords& words)
 {
-    if (!record.rectangle || record.method >= record.methods || !words.methods[record.method].discs) return {};
+    if (!record.flatSource || record.method >= record.methods || !words.methods[record.method].discs) return {};
     return std::string(words.methods[record.method].name) +
-           " counts the light's rectangle as a disc of the same area, " +
+           " counts the light's flat source as a sphere that covers the same area, " +
            factText(Fact::lightRadius, record.facts[static_cast<std::size_t>(Fact::lightRadius)]) + " in radius";
 }
 

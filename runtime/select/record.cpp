@@ -72,7 +72,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     head.budgeted = frame.budgeted;
     head.priced = frame.priced;
     head.guessed = decision.guessed;
-    head.rectangle = decision.rectangle;
+    head.flatSource = decision.flatSource;
     head.asksHost = decision.asksHost;
     head.switched = decision.switched;
     head.floorUnmet = decision.floorUnmet;

@@ -53,11 +53,11 @@ struct RecordHead {
     GnReason reason = GN_REASON_RULES;
     Replan replan = Replan::everyFrame;
     plan::Hold hold = plan::Hold::none;
-    bool budgeted = false;  ///< A plan decided; the members from budgetMs on are set.
-    bool priced = false;    ///< No budget, but the rule base lets predicted times choose among equals.
-    bool guessed = false;   ///< LightDecision::guessed: the incumbent has no advantage.
-    bool rectangle = false; ///< LightDecision's.
-    bool asksHost = false;  ///< Likewise.
+    bool budgeted = false;   ///< A plan decided; the members from budgetMs on are set.
+    bool priced = false;     ///< No budget, but the rule base lets predicted times choose among equals.
+    bool guessed = false;    ///< LightDecision::guessed: the incumbent has no advantage.
+    bool flatSource = false; ///< LightDecision's.
+    bool asksHost = false;   ///< Likewise.
     bool switched = false;
     bool floor = false; ///< The near-quality floor held.
     bool floorUnmet = false;

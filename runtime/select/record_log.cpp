@@ -20,7 +20,7 @@ enum : std::uint8_t {
     kFloorUnmet = 8,
     kPriced = 16,
     kGuessed = 32,
-    kRectangle = 64,
+    kFlatSource = 64,
     kAsksHost = 128
 };
 
@@ -62,7 +62,7 @@ void writeHead(ByteWriter& out, const ReasonedHead& head)
     out.integer(static_cast<std::uint8_t>((head.budgeted ? kBudgeted : 0) | (head.switched ? kSwitched : 0) |
                                           (head.floor ? kFloor : 0) | (head.floorUnmet ? kFloorUnmet : 0) |
                                           (head.priced ? kPriced : 0) | (head.guessed ? kGuessed : 0) |
-                                          (head.rectangle ? kRectangle : 0) | (head.asksHost ? kAsksHost : 0)));
+                                          (head.flatSource ? kFlatSource : 0) | (head.asksHost ? kAsksHost : 0)));
     out.integer(head.mapSide);
     out.integer(head.wantedSide);
     out.integer(head.redrawEvery);
@@ -277,7 +277,7 @@ private:
         head.budgeted = flags & kBudgeted, head.switched = flags & kSwitched;
         head.floor = flags & kFloor, head.floorUnmet = flags & kFloorUnmet;
         head.priced = flags & kPriced, head.guessed = flags & kGuessed;
-        head.rectangle = flags & kRectangle, head.asksHost = flags & kAsksHost;
+        head.flatSource = flags & kFlatSource, head.asksHost = flags & kAsksHost;
         head.mapSide = in_.integer<std::uint16_t>();
         head.wantedSide = in_.integer<std::uint16_t>();
         head.redrawEvery = in_.integer<std::uint8_t>();

@@ -200,7 +200,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     decision.light = input.light->handle;
     decision.lightId = input.light->id;
     decision.incumbent = memory.incumbent;
-    decision.rectangle = input.light->rectangular();
+    decision.flatSource = input.light->flat();
     decision.asksHost = input.casters->opacities > 0;
     decision.guessed = memory.guessed && memory.measured;
     decision.pinned = input.pinned;

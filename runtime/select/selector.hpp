@@ -75,9 +75,9 @@ struct LightDecision {
     float viewerDistance = 0.0f;
     bool distanceMeasured = false;
     bool switched = false;
-    bool rectangle = false; ///< LightView::rectangular().
-    bool asksHost = false;  ///< LightCasters::opacities: what can trace on the CPU does.
-    bool guessed = false;   ///< The incumbent was chosen before its receivers were measured, as they are now.
+    bool flatSource = false; ///< LightView::flat().
+    bool asksHost = false;   ///< LightCasters::opacities: what can trace on the CPU does.
+    bool guessed = false;    ///< The incumbent was chosen before its receivers were measured, as they are now.
     std::uint32_t outgoing = UINT32_MAX;             ///< Runs as well while the picture fades from it.
     float fade = 1.0f;                               ///< Share of `method` in what is shown.
     std::uint32_t probed = UINT32_MAX;               ///< Runs as well, to be measured; what it shows nobody sees.

@@ -278,7 +278,7 @@ bool LightDescription::samePose(const LightDescription& other) const noexcept
 bool LightDescription::sameLight(const LightDescription& other) const noexcept
 {
     return samePose(other) && sourceRadius == other.sourceRadius && sourceX == other.sourceX &&
-           sourceY == other.sourceY && mask == other.mask;
+           sourceY == other.sourceY && sourceShape == other.sourceShape && mask == other.mask;
 }
 
 namespace {
@@ -320,6 +320,31 @@ Result<void> readCone(Subject what, const GnLightInfo& info, LightDescription& l
     return {};
 }
 
+glm::dvec3 forwardOf(const LightDescription& light)
+{
+    return glm::normalize(glm::dvec3(light.direction[0], light.direction[1], light.direction[2]));
+}
+
+void setHalfAxes(LightDescription& light, const glm::dvec3& x, const glm::dvec3& y)
+{
+    for (int i = 0; i < 3; ++i) {
+        light.sourceX[i] = static_cast<float>(x[i]);
+        light.sourceY[i] = static_cast<float>(y[i]);
+    }
+}
+
+/// Half axes; which ones is of no account. The light's direction and radius have been read.
+Result<void> readDisc(Subject what, const GnLightInfo& info, LightDescription& light)
+{
+    if (info.type != GN_LIGHT_TYPE_SPOT)
+        return outOfRange(what, "type", info.type, "a spot light's, which GN_SOURCE_SHAPE_DISC is for");
+    const glm::dvec3 forward = forwardOf(light);
+    const glm::dvec3 aside = std::abs(forward.x) < 0.7 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+    const glm::dvec3 x = double{light.sourceRadius} * glm::normalize(glm::cross(forward, aside));
+    setHalfAxes(light, x, glm::cross(forward, x));
+    return {};
+}
+
 /// Half axes, and the radius of a disc of the same area. The light's direction has been read.
 Result<void> readRectangle(Subject what, const GnLightInfo& info, LightDescription& light)
 {
@@ -339,7 +364,7 @@ Result<void> readRectangle(Subject what, const GnLightInfo& info, LightDescripti
         if (extent.value < 0.0 || (extent.value == 0.0 && width + height > 0.0))
             return outOfRange(what, extent.name, extent.value, "(0, 1e18], or 0 like the other one");
 
-    const glm::dvec3 forward = glm::normalize(glm::dvec3(light.direction[0], light.direction[1], light.direction[2]));
+    const glm::dvec3 forward = forwardOf(light);
     const glm::dvec3 axis(info.sourceAxis[0], info.sourceAxis[1], info.sourceAxis[2]);
     const glm::dvec3 x = glm::cross(glm::cross(forward, axis), forward); // what of the axis lies across
     // 1e-6: floats of a direction and of an axis along it leave 2^-23 of the axis.
@@ -347,10 +372,7 @@ Result<void> readRectangle(Subject what, const GnLightInfo& info, LightDescripti
         return Error{GN_ERROR_OUT_OF_RANGE, "LightSourceAxis",
                      what.text() + ": sourceAxis is zero, or lies along direction"};
     const glm::dvec3 unitX = glm::normalize(x), unitY = glm::cross(forward, unitX);
-    for (int i = 0; i < 3; ++i) {
-        light.sourceX[i] = static_cast<float>(width * unitX[i]);
-        light.sourceY[i] = static_cast<float>(height * unitY[i]);
-    }
+    setHalfAxes(light, width * unitX, height * unitY);
     light.sourceRadius = static_cast<float>(2.0 * std::sqrt(width * height / std::numbers::pi));
     return {};
 }
@@ -379,10 +401,14 @@ Result<LightDescription> readLight(Subject what, const GnLightInfo& info)
         if (number.value < 0.0) return outOfRange(what, number.name, number.value, "[0, 1e18]");
     }
     light.sourceRadius = info.sourceRadius;
-    if (info.sourceShape != GN_SOURCE_SHAPE_SPHERE && info.sourceShape != GN_SOURCE_SHAPE_RECTANGLE)
+    if (info.sourceShape != GN_SOURCE_SHAPE_SPHERE && info.sourceShape != GN_SOURCE_SHAPE_RECTANGLE &&
+        info.sourceShape != GN_SOURCE_SHAPE_DISC)
         return outOfRange(what, "sourceShape", info.sourceShape, "GnSourceShape");
     if (info.sourceShape == GN_SOURCE_SHAPE_RECTANGLE)
         if (Result<void> check = readRectangle(what, info, light); !check) return check.error();
+    if (info.sourceShape == GN_SOURCE_SHAPE_DISC)
+        if (Result<void> check = readDisc(what, info, light); !check) return check.error();
+    light.sourceShape = info.sourceShape;
     light.importance = info.importance == 0.0f ? 1.0f : info.importance;
     light.mask = info.casterMask ? info.casterMask : kAllMasks;
     return light;

@@ -83,6 +83,7 @@ struct LightDescription {
     float coneAngle = 0.0f;
     float sourceRadius = 0.0f;                 ///< Of a rectangle: of the disc that has its area.
     std::array<float, 3> sourceX{}, sourceY{}; ///< LightView's.
+    GnSourceShape sourceShape = GN_SOURCE_SHAPE_SPHERE;
     float importance = 1.0f;
     std::uint32_t mask = kAllMasks;
 

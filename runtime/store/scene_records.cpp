@@ -112,6 +112,7 @@ void LightRecord::publish(const std::array<double, 3>& origin)
     constants.sourceRadius = light.sourceRadius;
     view.sourceX = {light.sourceX[0], light.sourceX[1], light.sourceX[2]};
     view.sourceY = {light.sourceY[0], light.sourceY[1], light.sourceY[2]};
+    view.sourceShape = light.sourceShape;
     constants.padding = 0;
     dirty = false;
     published = true;

@@ -20,7 +20,7 @@ struct RaySoftConstants {
     uvec4 state; // x: bits; y: rays a pixel; z: the sequence's first number; w: which of SoftCameras::views the history is of
     vec4 disc;   // x: radius of the light's disc over the length of the ray to its centre, 1 for directional lights; y: frames
                  // whose rays count at most
-    vec4 sourceX; // xyz: half axes of a rectangle, metres; zero: a disc
+    vec4 sourceX; // xyz: half axes of a flat source, metres; zero: a sphere. w: 1 of a disc, 0 of a rectangle
     vec4 sourceY;
     vec4 motion; // xyz: GnViewFrame::motionScale
 };

@@ -1,5 +1,5 @@
 #version 460
-// Rays to a few points of the light's disc or rectangle.
+// Rays to a few points of the light's source: a disc, or a rectangle.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_query : require
 #extension GL_EXT_buffer_reference : require
@@ -67,7 +67,8 @@ struct Source {
 Source sourceSeen(vec3 towardsLight)
 {
     if (constants.sourceX.xyz != vec3(0.0))
-        return Source(constants.sourceX.xyz, constants.sourceY.xyz, constants.base.light.directionWs.xyz, false);
+        return Source(constants.sourceX.xyz, constants.sourceY.xyz, constants.base.light.directionWs.xyz,
+                      constants.sourceX.w > 0.0);
     mat2x3 axes = discAxes(towardsLight, constants.disc.x);
     return Source(axes[0], axes[1], towardsLight / max(length(towardsLight), 1e-30), true);
 }

@@ -100,12 +100,33 @@ TEST_CASE("however an edge lies over a disc, the share of its points on one side
     }
 }
 
+TEST_CASE("points of a flat disc cover it evenly, and none lies before or behind it")
+{
+    LightView light = spot(0.4f);
+    light.sourceX = 0.4f * glm::normalize(glm::cross(light.direction(), glm::vec3(1, 0, 0)));
+    light.sourceY = glm::cross(light.direction(), light.sourceX);
+    light.sourceShape = GN_SOURCE_SHAPE_DISC;
+    double square = 0.0;
+    for (std::uint32_t i = 0; i < 289; ++i) {
+        const LightView point = lightAt(light, spreadOver(light, i, 17), 1.0f);
+        CHECK(!point.flat());
+        const glm::vec3 offset = point.position() - light.position();
+        CHECK(std::abs(glm::dot(offset, light.direction())) < 1e-6f);
+        CHECK(glm::length(offset) <= 0.4f + 1e-6f);
+        square += double(glm::dot(offset, light.sourceX)) * double(glm::dot(offset, light.sourceX)) / 0.16 / 289.0;
+        const LightView corner = lightAt(light, pointAt(light, {1.0f, i / 289.0f}, i), 1.0f); // the rim
+        CHECK(glm::distance(corner.position(), light.position()) == doctest::Approx(0.4));
+    }
+    CHECK(square == doctest::Approx(0.04).epsilon(0.03)); // R^2 / 4
+}
+
 TEST_CASE("a point's cone holds what the light's own does from the nearest caster on")
 {
     LightView light = spot(0.0f);
     light.constants.sourceRadius = 0.3f;
     light.sourceX = 0.5f * glm::normalize(glm::cross(light.direction(), glm::vec3(1, 0, 0)));
     light.sourceY = 0.2f * glm::normalize(glm::cross(light.direction(), light.sourceX));
+    light.sourceShape = GN_SOURCE_SHAPE_RECTANGLE;
     const float nearest = 2.0f;
     for (std::uint32_t i = 0; i < 25; ++i) {
         const LightView point = lightAt(light, spreadOver(light, i, 5), nearest);

@@ -299,6 +299,27 @@ TEST_CASE("a rectangle light has half extents, an axis that copies turn, and the
     refused("rectangle: {width: 2, height: 1}, orbit: {degrees_per_second: 5}", "cannot have keys or an orbit");
 }
 
+TEST_CASE("a disc light has its radius, and is of a spot alone, without another source")
+{
+    const std::string rest = "name: r\ncamera: [{eye: [0, 3, 5], target: [0, 0, 0]}]\nmeshes: {b: {box: }}\n"
+                             "instances: [{mesh: b}]\nlights:\n";
+    const std::string at = "  - {name: l, at: [1, 3, 0], range: 9, kind: ";
+    const std::string spot = at + "spot, direction: [0, -1, 0], cone: {outer: 40}, ";
+    const auto scene = parseScene(rest + spot + "disc: 0.25}\n", "r.yaml");
+    REQUIRE_MESSAGE(scene, scene.error());
+    CHECK(scene->lights[0].disc);
+    CHECK(scene->lights[0].radius == 0.25f);
+    const auto refused = [&](const std::string& line, const char* words) {
+        const auto wrong = parseScene(rest + line + "}\n", "r.yaml");
+        REQUIRE_FALSE(wrong);
+        CHECK_MESSAGE(wrong.error().find(words) != std::string::npos, wrong.error());
+    };
+    refused(spot + "disc: 0", "disc");
+    refused(spot + "disc: 0.2, radius: 0.1", "a disc or a radius, not both");
+    refused(spot + "disc: 0.2, rectangle: {width: 2, height: 1}", "a disc or a rectangle, not both");
+    refused(at + "point, disc: 0.2", "disc");
+}
+
 TEST_CASE("a comma locale changes nothing")
 {
     const auto plain = loadScene("colonnade");

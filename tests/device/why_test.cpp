@@ -48,8 +48,9 @@ TEST_CASE_FIXTURE(DeviceTest, "why says that a method counts a rectangle as a di
         return ask(host, {.kind = GN_QUESTION_WHY});
     };
     const std::string text = why("pcss");
-    CHECK_MESSAGE(contains(text, "pcss counts the light's rectangle as a disc of the same area, 0.39 m in radius"),
-                  text);
+    CHECK_MESSAGE(
+        contains(text, "pcss counts the light's flat source as a sphere that covers the same area, 0.39 m in radius"),
+        text);
     for (const char* method : {"ray_traced", "shadow_map"}) // shows it; has no penumbrae at all
         CHECK_MESSAGE(!contains(why(method), "rectangle"), std::string(method));
     lamp.rectangle = {};

@@ -41,8 +41,9 @@ Source sourceOf(const demo::Light& light, const glm::dvec3& towards)
         return {axes.x, axes.y, true};
     }
     const auto size = static_cast<double>(light.radius);
+    const glm::dvec3 looksTo = light.disc ? light.direction : towards;
     const double radius = light.kind == demo::LightKind::Directional ? std::tan(size) : size; // its radius is an angle
-    const glm::dvec3 axis = glm::normalize(towards);
+    const glm::dvec3 axis = glm::normalize(looksTo);
     const glm::dvec3 helper = std::abs(axis.y) < 0.9 ? glm::dvec3(0.0, 1.0, 0.0) : glm::dvec3(1.0, 0.0, 0.0);
     const glm::dvec3 x = glm::normalize(glm::cross(helper, axis));
     return {radius * x, radius * glm::cross(axis, x)};

@@ -22,15 +22,20 @@ double beyondChord(double distance)
     return (std::acos(distance) - distance * std::sqrt(1.0 - distance * distance)) / std::numbers::pi;
 }
 
+/// A disc: its axis and its radius.
+struct Disc {
+    glm::dvec3 axis;
+    double radius = 0.0;
+};
+
 /// What a point under halfPlane() sees of the lamp. \param towards From it to the disc's centre; \param height Of the
 /// sheet's edge over it; \param edge Its x, from the point.
-double seenPastEdge(const glm::dvec3& towards, double radius, double height, double edge)
+double seenPastEdge(const glm::dvec3& towards, const Disc& disc, double height, double edge)
 {
     // The plane through the point and the edge cuts the disc along a line; x grows where the lamp is seen.
     const glm::dvec3 normal = glm::normalize(glm::dvec3(height, -edge, 0.0));
-    const glm::dvec3 axis = glm::normalize(towards);
-    const double tilt = glm::length(normal - axis * glm::dot(normal, axis));
-    return beyondChord(-glm::dot(normal, towards) / (radius * tilt));
+    const double tilt = glm::length(normal - disc.axis * glm::dot(normal, disc.axis));
+    return beyondChord(-glm::dot(normal, towards) / (disc.radius * tilt));
 }
 
 /// Share of the square [-1, 1]^2 in which a + b u + c v > 0, of which neither b nor c is 0: the integral of what is
@@ -65,12 +70,13 @@ struct Spread {
 };
 
 /// Pixels of the floor whose closed form is neither 0 nor 1.
-Spread againstClosedForm(const Stage& stage, const Image8& picture, double height, double radius, uint32_t samples)
+Spread againstClosedForm(const Stage& stage, const Image8& picture, double height, uint32_t samples)
 {
     const brute::View view = bruteView(stage);
     const brute::Light light = bruteLight(stage, 0);
     const bool sun = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
     const demo::Light& lamp = stage.scene().lights[0];
+    const double size = double(lamp.radius), radius = sun ? std::tan(size) : size; // its radius is an angle
     const brute::Scene casters(bruteTriangles(stage));
     Spread spread;
     for (int y = 0; y < view.height; ++y) {
@@ -82,9 +88,10 @@ Spread againstClosedForm(const Stage& stage, const Image8& picture, double heigh
             if (answer.state != brute::State::asked || std::abs(answer.receiver.y) > 0.01) continue;
             const glm::dvec3 from = answer.receiver + normal * answer.offset;
             const glm::dvec3 towards = sun ? -glm::normalize(light.direction) : light.position - from;
+            const Disc disc{glm::normalize(lamp.disc ? lamp.direction : towards), radius};
             const double seen = lamp.rectangle.x > 0.0f
                                     ? seenPastEdge(towards, rectangleAxes(lamp), height - from.y, -from.x)
-                                    : seenPastEdge(towards, sun ? std::tan(radius) : radius, height - from.y, -from.x);
+                                    : seenPastEdge(towards, disc, height - from.y, -from.x);
             if (seen <= 0.0 || seen >= 1.0) continue;
             // Points in parts of the disc vary less than free ones do. A byte rounds by half a step.
             const double sigma = std::sqrt(seen * (1.0 - seen) / samples);
@@ -94,21 +101,32 @@ Spread againstClosedForm(const Stage& stage, const Image8& picture, double heigh
     return spread;
 }
 
-void checkClosedForm(LightKind kind, double height, float radius, glm::vec2 rectangle = {})
+/// \param scene halfPlane() of that height
+void checkClosedForm(const demo::Scene& scene, double height)
 {
-    demo::Scene scene = halfPlane(kind, height, radius);
-    if (rectangle.x > 0.0f) setRectangle(scene.lights[0], rectangle);
     Stage stage(scene, kSize);
     for (const uint32_t samples : {2u, 30u, 1024u}) {
         const Image8 picture = stage.draw("ray_traced", {{"samples", double(samples)}})[0];
-        const Spread spread = againstClosedForm(stage, picture, height, double(radius), samples);
-        MESSAGE(std::string(demo::nameOf(kind)) << ", " << samples << " samples: " << spread.pixels << " pixels, mean "
-                                                << spread.mean() << ", RMSE " << spread.rmse());
+        const Spread spread = againstClosedForm(stage, picture, height, samples);
+        MESSAGE(std::string(demo::nameOf(scene.lights[0].kind))
+                << ", " << samples << " samples: " << spread.pixels << " pixels, mean " << spread.mean() << ", RMSE "
+                << spread.rmse());
         CHECK(spread.pixels > 350);
         CHECK(spread.beyond == 0);
         CHECK(std::abs(spread.mean()) < 0.6 / std::sqrt(double(samples * spread.pixels)) + 0.002); // of bytes
         if (samples == 1024) CHECK(spread.rmse() < 0.005);
     }
+}
+
+/// halfPlane() before a disc that looks by 43 degrees aside.
+demo::Scene tiltedDisc(float radius, double height)
+{
+    demo::Scene scene = halfPlane(LightKind::Spot, height, radius);
+    demo::Light& lamp = scene.lights[0];
+    lamp.disc = true;
+    lamp.direction = glm::normalize(glm::dvec3(0.9, -1.0, 0.3));
+    lamp.outerAngle = 1.2f;
+    return scene;
 }
 
 /// Of the pixels that are asked and lie in the penumbra of the first.
@@ -127,16 +145,26 @@ double rmseBetween(const std::vector<SoftTruth>& a, const std::vector<SoftTruth>
 TEST_CASE("half planes before the light's disc are seen as the closed form has it, within 3 sigma")
 {
     const test::DeviceTest silence;
-    checkClosedForm(LightKind::Point, 1.0, 0.5f);
-    checkClosedForm(LightKind::Spot, 1.6, 0.3f);
-    checkClosedForm(LightKind::Directional, 1.0, 0.2f);
+    checkClosedForm(halfPlane(LightKind::Point, 1.0, 0.5f), 1.0);
+    checkClosedForm(halfPlane(LightKind::Spot, 1.6, 0.3f), 1.6);
+    checkClosedForm(halfPlane(LightKind::Directional, 1.0, 0.2f), 1.0);
 }
 
 TEST_CASE("and before a rectangle, of which the edge cuts all four sides")
 {
     const test::DeviceTest silence;
-    checkClosedForm(LightKind::Spot, 1.6, 0.0f, {0.5f, 0.2f});
-    checkClosedForm(LightKind::Spot, 1.0, 0.0f, {0.15f, 0.6f});
+    demo::Scene scene = halfPlane(LightKind::Spot, 1.6, 0.0f);
+    setRectangle(scene.lights[0], {0.5f, 0.2f});
+    checkClosedForm(scene, 1.6);
+    scene = halfPlane(LightKind::Spot, 1.0, 0.0f);
+    setRectangle(scene.lights[0], {0.15f, 0.6f});
+    checkClosedForm(scene, 1.0);
+}
+
+TEST_CASE("and before a disc that looks aside, of which the floor sees an ellipse")
+{
+    const test::DeviceTest silence;
+    checkClosedForm(tiltedDisc(0.6f, 1.6), 1.6);
 }
 
 TEST_CASE("two sets of 1024 samples differ by an RMSE below 0.01, and by 0.02 at most from 256 rays of the brute force")

@@ -230,6 +230,38 @@ TEST_CASE("a rectangle's axes lie across the light, and its radius is that of a 
     CHECK(view->constants.sourceRadius == 0.0f);
 }
 
+TEST_CASE("a disc lies across the light, whichever way that looks, and is another light than a sphere of its radius")
+{
+    SceneFixture scene;
+    GnLightInfo info = spot();
+    info.sourceRadius = 0.5f;
+    const GnLight light = *scene.registry->createLight(info);
+    scene.begin();
+    const std::uint64_t sphere = scene.registry->light(light)->revision;
+    CHECK(!scene.registry->light(light)->flat());
+    info.sourceShape = GN_SOURCE_SHAPE_DISC;
+    for (const glm::vec3 way : {glm::vec3(0, -2, 0), glm::vec3(3, 0, 0), glm::vec3(0, 0, 1), glm::vec3(1, -2, 3)}) {
+        for (int i = 0; i < 3; ++i)
+            info.direction[i] = way[i];
+        CHECK(scene.registry->updateLight(light, info));
+        scene.begin();
+        const LightView* view = scene.registry->light(light);
+        CHECK(view->revision != sphere);
+        CHECK(view->flat());
+        CHECK(!view->rectangular());
+        CHECK(view->sourceReach() == doctest::Approx(0.5));
+        for (const glm::vec3 axis : {view->sourceX, view->sourceY}) {
+            CHECK(glm::length(axis) == doctest::Approx(0.5));
+            CHECK(std::abs(glm::dot(axis, way)) < 1e-6f);
+        }
+        CHECK(std::abs(glm::dot(view->sourceX, view->sourceY)) < 1e-6f);
+    }
+    info.sourceRadius = 0.0f; // hard
+    CHECK(scene.registry->updateLight(light, info));
+    scene.begin();
+    CHECK(!scene.registry->light(light)->flat());
+}
+
 TEST_CASE("a light with a wrong number is refused by element, and a refused update changes nothing")
 {
     SceneFixture scene;
@@ -251,8 +283,14 @@ TEST_CASE("a light with a wrong number is refused by element, and a refused upda
     refused([](GnLightInfo& i) { i.coneAngle = -0.5f; }, GN_ERROR_OUT_OF_RANGE, "coneAngle is -0.5");
     refused([](GnLightInfo& i) { i.coneAngle = 1.56f; }, GN_ERROR_OUT_OF_RANGE, "coneAngle");
     refused([](GnLightInfo& i) { i.sourceRadius = -1.0f; }, GN_ERROR_OUT_OF_RANGE, "sourceRadius");
-    refused([](GnLightInfo& i) { i.sourceShape = static_cast<GnSourceShape>(2); }, GN_ERROR_OUT_OF_RANGE,
-            "sourceShape is 2");
+    refused([](GnLightInfo& i) { i.sourceShape = static_cast<GnSourceShape>(3); }, GN_ERROR_OUT_OF_RANGE,
+            "sourceShape is 3");
+    refused(
+        [](GnLightInfo& i) {
+            i.sourceShape = GN_SOURCE_SHAPE_DISC;
+            i.type = GN_LIGHT_TYPE_POINT;
+        },
+        GN_ERROR_OUT_OF_RANGE, "type is 2, not in a spot light's, which GN_SOURCE_SHAPE_DISC");
     const auto refusedRectangle = [&](auto change, GnResult code, const char* words) {
         refused(
             [&](GnLightInfo& i) {

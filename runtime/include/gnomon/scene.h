@@ -259,6 +259,9 @@ typedef enum GnSourceShape {
     GN_SOURCE_SHAPE_RECTANGLE = 1, ///< Spot: around `position`, across `direction`. Methods with
                                    ///< #GN_TRAIT_RECTANGLE_BIT show its penumbra; others with penumbrae count it as a
                                    ///< disc of the same area, and #GN_QUESTION_WHY says so.
+    GN_SOURCE_SHAPE_DISC = 2,      ///< Spot: of `sourceRadius` around `position`, across `direction`. Methods with
+                                   ///< #GN_TRAIT_RECTANGLE_BIT show its penumbra; others with penumbrae count it as a
+                                   ///< sphere of the same radius, and #GN_QUESTION_WHY says so.
     GN_SOURCE_SHAPE_MAX_ENUM = 0x7FFFFFFF
 } GnSourceShape;
 
