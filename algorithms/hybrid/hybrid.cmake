@@ -54,7 +54,8 @@ gnomon_shared(
     SHADERS hybrid/ray_query.frag
             hybrid/undecided.vert)
 gnomon_algorithm(ray_query
-    SOURCES ray_query.cpp)
+    SOURCES ray_query.cpp
+    SHADERS hybrid/ray_samples.frag)
 gnomon_algorithm(ray_soft
     SOURCES ray_soft.cpp
     SHADERS hybrid/ray_soft_accumulate.frag

@@ -23,9 +23,8 @@ bool isSampled(std::span<const double> settings)
 
 constexpr SettingSpec kSettings[] = {
     kReasonsSetting,
-    {"samples", "Rays a pixel to points of a light with a radius; 1: one ray to its centre, a hard shadow.", 1,
-     kMaxSourceSamples, 1},
-    {"seed", "Another number takes other points.", 0, 65535, 0},
+    kSamplesSetting,
+    kSeedSetting,
 };
 
 /// Whether the light's surface is sampled; else its centre is asked, and reason codes say of that ray.

@@ -12,8 +12,8 @@ namespace gnomon {
 
 namespace {
 
-// Sets of points. A pixel takes one of them and turns it by an angle of its own, which costs less than new points.
-constexpr std::uint64_t kSets = 16;
+// Taking one of a few sets costs less than new points for every pixel.
+constexpr std::uint64_t kSets = gpu::SAMPLE_SETS;
 // Rays asked at once: all of a pixel's, or those of several pixels.
 constexpr std::size_t kBatch = kMaxSourceSamples;
 
@@ -28,7 +28,7 @@ float unit(std::uint64_t hash)
 void spread(std::span<glm::vec2> points, bool square, std::uint64_t key)
 {
     const std::size_t count = points.size();
-    const auto rows = static_cast<std::size_t>(std::sqrt(static_cast<double>(count)));
+    const std::size_t rows = sampleRows(count);
     for (std::size_t row = 0; row < rows; ++row) {
         const std::size_t first = count * row / rows, end = count * (row + 1) / rows;
         const auto inRow = static_cast<float>(end - first);

@@ -21,6 +21,7 @@ layout(location = 0) out vec4 seen;
 layout(constant_id = 0) const bool HAS_NORMALS = true;
 
 #include "asked_ray.glsl"
+#include "disc_axes.glsl"
 #include "../shared/soft_surface.glsl"
 
 const float NOT_ASKED = -1.0; // of seen.y; 0: nothing blocks a ray
@@ -36,18 +37,6 @@ vec2 squarePoint(ivec2 pixel, uint number)
     uvec2 at = uint(pixel.x) * uvec2(0xdb4f0b91u, 0xa0f2ec76u) + uint(pixel.y) * uvec2(0xbbe05633u, 0x89e18285u) +
                number * uvec2(0xc13fa9a9u, 0x91e10da6u);
     return vec2(at >> 8) * (1.0 / 16777216.0);
-}
-
-// LightDisc of algorithms/hybrid/light_disc.hpp.
-mat2x3 discAxes(vec3 towardsLight, float radius)
-{
-    vec3 size = abs(towardsLight);
-    vec3 across = size.x <= size.y && size.x <= size.z ? vec3(1.0, 0.0, 0.0)
-                  : size.y <= size.z                  ? vec3(0.0, 1.0, 0.0)
-                                                      : vec3(0.0, 0.0, 1.0);
-    vec3 y = cross(towardsLight, across);
-    vec3 x = cross(y, towardsLight);
-    return mat2x3(x * (radius / max(length(x), 1e-30)), y * (radius / max(length(y), 1e-30)));
 }
 
 // Half the width of the penumbra of what blocks a ray at `at`, on a plane across the ray: similar triangles from the light's

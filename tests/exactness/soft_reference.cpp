@@ -107,9 +107,9 @@ std::vector<SoftTruth> softTruths(const Stage& stage)
     return truths;
 }
 
-std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples, uint32_t seed)
+std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples, uint32_t seed, const std::string& method)
 {
-    const Pictures pictures = stage.draw("ray_traced", {{"samples", double(samples)}, {"seed", double(seed)}});
+    const Pictures pictures = stage.draw(method, {{"samples", double(samples)}, {"seed", double(seed)}});
     std::vector<SoftTruth> truths(pictures.size());
     for (size_t layer = 0; layer < pictures.size(); ++layer) {
         for (size_t i = 0; i < pictures[layer].texels.size(); ++i) {

@@ -27,7 +27,8 @@ SoftTruth softTruth(const Stage& stage, size_t layer, const brute::Scene& caster
 std::vector<SoftTruth> softTruths(const Stage& stage);
 /// The same by `ray_traced`, of which soft_truth_test.cpp says how good it is: much sooner. Grazing pixels and those
 /// out of the light are not asked.
-std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples = 1024, uint32_t seed = 0);
+std::vector<SoftTruth> tracedSoftTruths(Stage& stage, uint32_t samples = 1024, uint32_t seed = 0,
+                                        const std::string& method = "ray_traced");
 
 struct SoftError : demo::SoftError {
     uint64_t notAskedOff = 0; ///< Of pixels that are not asked: those that are off by more than a 255th.
