@@ -23,7 +23,7 @@ struct Method {
 
 const Method& methodOf(Row row)
 {
-    static const std::array<Method, 12> all = {{
+    static const std::array<Method, 16> all = {{
         {"map", "shadow_map", "filter", {{"filter", 1}, {"kernel", 0}}},
         {"conservative lines", "rbsm", nullptr, {{"mode", 0}}},
         {"lines", "rbsm", nullptr, {{"mode", 1}}},
@@ -36,6 +36,10 @@ const Method& methodOf(Row row)
         {"adaptive", "area_adaptive", nullptr, {{"least", 0}, {"reasons", 0}}, true},
         {"revectorized", "area_revectorized", nullptr, {{"least", 0}, {"reasons", 0}}, true},
         {"PCSS", "pcss", nullptr, {}, true},
+        {"EDTSSM", "edt_soft", nullptr, {}, true},
+        {"RBSSM", "rbssm", nullptr, {}, true},
+        {"SSRBSSM", "ssrbssm", nullptr, {}, true},
+        {"VSSM", "moments_soft", nullptr, {}, true},
     }};
     return all[size_t(row)];
 }
@@ -86,7 +90,7 @@ Measured measureCell(Session& session, const Cell& cell, const Options& options)
     Measured result{.served = times.unpinned == 0, .frameMs = median(times.withMs), .points = 0.0, .steps = {}};
     if (!result.served) return result;
     if (cell.row == Row::adaptive || cell.row == Row::revectorized) result.points = pointsOf(session, method.method);
-    if (cell.row == Row::distances || cell.row == Row::revectorized)
+    if (cell.row == Row::distances || cell.row == Row::revectorized || cell.row == Row::tables)
         for (const PassTime& pass : timePasses(session, 2))
             result.steps[pass.name.substr(0, pass.name.find('.', pass.name.find('.') + 1))] += pass.gpuMs + pass.cpuMs;
     return result;

@@ -24,7 +24,11 @@ enum class Row : uint8_t {
     uniform,
     adaptive,
     revectorized,
-    pcss
+    pcss,
+    softDistances,
+    softLines,
+    screenLines,
+    tables
 };
 const char* nameOf(Row row) noexcept;
 
@@ -50,7 +54,7 @@ struct Measured {
     bool served = false;                 ///< The method has such a map and kernel, and memory for it.
     double frameMs = 0.0;                ///< Median, the picture without shadows included.
     double points = 0.0;                 ///< adaptive, revectorized: of 289.
-    std::map<std::string, double> steps; ///< distances, revectorized: ms of the passes of a name.
+    std::map<std::string, double> steps; ///< distances, revectorized, tables: ms of the passes of a name.
 };
 using Times = std::map<Cell, Measured>;
 

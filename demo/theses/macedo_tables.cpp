@@ -21,6 +21,21 @@ Scenery standInFor(std::string_view scene)
     return Scenery::figure;
 }
 
+/// Milliseconds of a cell: of its frame, or of passes.
+struct Part {
+    Cell cell;
+    std::string_view passes; ///< Names separated by spaces, or "all"; empty: the frame.
+
+    double of(const Measured& measured) const
+    {
+        if (passes.empty()) return measured.frameMs;
+        double sum = 0.0;
+        for (const auto& [name, ms] : measured.steps)
+            if (passes == "all" || passes.find(name) != std::string_view::npos) sum += ms;
+        return sum;
+    }
+};
+
 /// Pairs of printed numbers and ours. Before anything is measured it notes what has to be.
 class Pairs {
 public:
@@ -50,10 +65,15 @@ public:
     {
         const Measured* measured = find(cell);
         if (!measured || passes.empty()) return {printed, std::nullopt, 1};
-        double sum = 0.0;
-        for (const auto& [name, ms] : measured->steps)
-            if (passes == "all" || passes.find(name) != std::string_view::npos) sum += ms;
-        return {printed, sum, 1};
+        return {printed, Part{cell, passes}.of(*measured), 1};
+    }
+
+    /// Milliseconds of one over those of another. \param asked of the ratio
+    Pair ratio(double asked, const Part& part, const Part& over)
+    {
+        const Measured *measured = find(part.cell), *base = find(over.cell);
+        const double below = base ? over.of(*base) : 0.0;
+        return {asked, measured && below > 0.0 ? std::optional(part.of(*measured) / below) : std::nullopt, 2};
     }
 
 private:
@@ -351,11 +371,50 @@ PairTable areaStepsByPicture(Pairs& pairs)
     return table;
 }
 
+/// Lines of docs/macedo.md that times decide.
+PairTable criteria(Pairs& pairs)
+{
+    PairTable table{.id = "lines",
+                    .title =
+                        "**Lines of docs/macedo.md** that times decide, 1280 x 720: what is asked of the ratio (at "
+                        "most; of summed tables and of A7 at least), and ours.",
+                    .heads = {"line", "what", "over"},
+                    .columns = {"simple bodies", "fine detail"},
+                    .rows = {}};
+    const auto add = [&](const char* line, const char* what, const char* over, double asked, Part part, Part base) {
+        PairTable::Row row{.names = {line, what, over}, .cells = {}};
+        for (const Scenery scenery : {Scenery::figure, Scenery::fine}) {
+            part.cell.scenery = base.cell.scenery = scenery;
+            row.cells.push_back(pairs.ratio(asked, part, base));
+        }
+        table.rows.push_back(row);
+    };
+    const auto frame = [](Row row, uint32_t map = 1024) { return Part{{.row = row, .map = map}, {}}; };
+    const auto passes = [](Row row, uint32_t map, std::string_view names) {
+        return Part{{.row = row, .map = map}, names};
+    };
+    constexpr std::string_view kDistances = "distance.hard distance.seeds distance.columns distance.rows distance.ramp "
+                                            "distance.mean_rows distance.mean_columns",
+                               kTables = "moments_soft.rows moments_soft.columns";
+    add("H9", "a frame with lines", "with a map", 1.32, frame(Row::lines), frame(Row::map));
+    add("F11", "passes of distances, map of 4096", "of 512", 1.1, passes(Row::distances, 4096, kDistances),
+        passes(Row::distances, 512, kDistances));
+    add("V5", "a frame with SSRBSSM", "with EDTSSM", 1.0, frame(Row::screenLines), frame(Row::softDistances));
+    add("V5", "a frame with SSRBSSM", "with RBSSM", 1.0, frame(Row::screenLines), frame(Row::softLines));
+    add("V6", "summed tables of 2048", "of 1024", 3.0, passes(Row::tables, 2048, kTables),
+        passes(Row::tables, 1024, kTables));
+    add("V6", "a frame with PCSS, map of 2048", "of 1024", 1.3, frame(Row::pcss, 2048), frame(Row::pcss));
+    add("A7", "maps of revectorized points", "all passes", 0.4, passes(Row::revectorized, 1024, "area_quads.casters"),
+        passes(Row::revectorized, 1024, "all"));
+    return table;
+}
+
 std::vector<PairTable> tablesOf(Pairs pairs)
 {
     return {hardByMap(pairs),     hardByPicture(pairs),     engineByMap(pairs),      engineByPicture(pairs),
             filteredByMap(pairs), filteredByPicture(pairs), filteredByKernel(pairs), distanceSteps(pairs),
-            areaByMap(pairs),     areaByPicture(pairs),     areaStepsByMap(pairs),   areaStepsByPicture(pairs)};
+            areaByMap(pairs),     areaByPicture(pairs),     areaStepsByMap(pairs),   areaStepsByPicture(pairs),
+            criteria(pairs)};
 }
 
 } // namespace
