@@ -1,11 +1,15 @@
 // Formulas of filtered moments, as the shaders have them, against counting and brute force.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <random>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "runtime/registry.hpp"
 #include "shaders/filtered/moments.h"
 
 namespace gnomon::gpu {
@@ -300,6 +304,27 @@ TEST_CASE("no depths, exponents and formats give what is no number, and none tha
     CHECK(linearZ(spot, 0.0f) == doctest::Approx(0.001));
     CHECK(linearZ(spot, 1.0f) == 1.0f);
     CHECK(linearZ(spot, -1e30f) == doctest::Approx(0.0));
+}
+
+TEST_CASE("the setting says what the exponent is clamped to, and does not take more than 32 bits hold")
+{
+    const SettingSpec* setting = nullptr;
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms) {
+        if (!algorithm.entry || std::string_view(algorithm.entry->name) != "moments") continue;
+        for (const SettingSpec& spec : algorithm.entry->settings)
+            if (std::string_view(spec.name) == "exponent") setting = &spec;
+    }
+    REQUIRE(setting);
+    const std::string_view about = setting->description;
+    const auto clamped = [](uint kind, uint bits) {
+        char text[16];
+        std::snprintf(text, sizeof text, "%.2f", double(momentExponent(kind, bits, 1e30f)));
+        return std::string(text);
+    };
+    CHECK(about.find("16 bits hold, " + clamped(MOMENTS_EVSM4, 16) + ",") != std::string_view::npos);
+    CHECK(about.find("of ESM " + clamped(MOMENTS_ESM, 16) + ".") != std::string_view::npos);
+    for (const uint kind : {MOMENTS_EVSM2, MOMENTS_EVSM4, MOMENTS_ESM})
+        CHECK(momentExponent(kind, 32, static_cast<float>(setting->maximum)) == static_cast<float>(setting->maximum));
 }
 
 } // namespace gnomon::gpu
