@@ -189,6 +189,32 @@ TEST_CASE("quality.yaml keeps exact edges near, battery.yaml takes maps as soon 
     CHECK(best(battery, late, spot) == "shadow_map");
 }
 
+TEST_CASE("far penumbrae suit even edges best while nothing moves, but not by battery.yaml; near ones and points never")
+{
+    const Names all = {"moments",     "shadow_map",  "cube_map",   "dual_paraboloid", "ray_traced",
+                       "pcf_hybrid",  "pcss",        "rbssm",      "penumbra_wedges", "stencil_volume",
+                       "virtual_map", "trapezoidal", "tile_shafts"};
+    for (const char* name : {"default", "quality", "battery"}) {
+        const Engine engine = bound(parsed(shippedRuleBase(name)));
+        Inference inference = engine.makeInference();
+        const auto best = [&](double motion, double distance, double triangles, double pixels) {
+            engine.evaluate(std::vector<double>{2, motion, distance, 0.3, triangles, 0.0, 0.5, 0.3, 0.0, pixels},
+                            inference);
+            return bestOf(inference, all);
+        };
+        const bool saves = std::string(name) == "battery";
+        for (const double triangles : {3.2, 4.5, 6.5}) {
+            CAPTURE(name);
+            CAPTURE(triangles);
+            for (const double pixels : {8.0, 50.0})
+                CHECK((best(0, 80, triangles, pixels) == "moments") == !saves);
+            CHECK(best(0, 80, triangles, 0) != "moments");
+            CHECK(best(0, 5, triangles, 8) != "moments");
+        }
+        if (std::string(name) == "default") CHECK(best(1, 80, 4.5, 8) == "shadow_map"); // drawn and filtered anew
+    }
+}
+
 TEST_CASE("the shipped rule bases are found by name, and nothing else is")
 {
     CHECK(shippedRuleBases().size() == 4);
