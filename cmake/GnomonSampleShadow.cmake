@@ -8,7 +8,7 @@ function(gnomon_write_sample_shadow out)
         set(line "${CMAKE_MATCH_0}")
         get_filename_component(name "${CMAKE_MATCH_1}" NAME)
         file(GLOB piece "${root}/shared/${name}" "${root}/maps/${name}" "${root}/omni/${name}"
-            "${root}/revectorized/${name}")
+            "${root}/revectorized/${name}" "${root}/filtered/${name}")
         set(content "\n")
         # filter.glsl has no guard, since it is of every kind of tap; the first disc_points.glsl is not compiled.
         if(NOT piece IN_LIST read OR name MATCHES "^(filter|disc_points)[.]glsl$")
@@ -29,6 +29,9 @@ function(gnomon_write_sample_shadow out)
                  REVECTORIZE_CONSERVATIVE REVECTORIZE_FILTERED REVECTORIZE_KERNEL REVECTORIZE_NONCONSERVATIVE
                  SAMPLE_CUBE SAMPLE_DISCS SAMPLE_MATRIX SAMPLE_NOTHING SAMPLE_PARTS SAMPLE_VECTORS SEARCH_TAPS SNAP_TEXELS ShadowSample
                  StairEnds Tap addBlocker blockersIn boxVisibility cascadeTap cubeClip cubeFaceOf disc discTap discVisibility faceTap firstDirection inCubeFace inParaboloid kernelVisibility
+                 LinearDepth MOMENTS_ESM MOMENTS_EVSM2 MOMENTS_EVSM4 MOMENTS_MSM MOMENTS_VSM MOMENT_BIAS
+                 MOMENT_DEVIATION MOMENT_KINDS MomentBounds chebyshevLit hamburgerBefore hamburgerLit linearZ
+                 momentsLit momentsOf openZ withoutBleeding
                  lightCone mapDepth mapGather mapTexel matrixTap nearestKernel nearestVisibility nextDirection noSteps
                  paraboloidDirection
                  paraboloidDisc paraboloidMap paraboloidOfMap planarDepth placeOf planarTap planeOf pointRadius reaches

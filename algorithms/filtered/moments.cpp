@@ -53,12 +53,10 @@ void addMoments(gpu::MomentsConstants& constants, const MomentFilter& filter, fl
     constants.bits = filter.bits;
     constants.exponent = filter.exponent;
     constants.bleeding = bleeding;
-    // A variance is a difference of moments, and a deviation the root of what rounding makes of it: 2^-22 is four units
-    // of a 32-bit float near 1, 2^-14 twice what fractions of 16 bits are apart, and above a half float's rounding of
-    // e^(2 c y) once it is divided by the square of 2 c.
-    constants.deviation = filter.bits == 16 ? 0x1p-7f : 0x1p-11f;
-    // Peters and Klein 2015, 3.3.
-    constants.momentBias = filter.bits == 16 ? 6e-5f : 3e-7f;
+    // 2^-14 is twice what fractions of 16 bits are apart, and above a half float's rounding of e^(2 c y) once it is
+    // divided by the square of 2 c.
+    constants.deviation = filter.bits == 16 ? 0x1p-7f : gpu::MOMENT_DEVIATION;
+    constants.momentBias = filter.bits == 16 ? 6e-5f : gpu::MOMENT_BIAS;
     constants.planeTexels = filter.deviation();
 }
 

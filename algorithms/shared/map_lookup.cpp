@@ -128,6 +128,7 @@ void addProjection(gpu::MapConstants& constants, const LightFit& fit, const Shad
     const MapProjection projection = mapProjection(fit, *task.light);
     look.depthConstant = projection.depthConstant;
     look.depthScale = projection.depthScale;
+    look.farWs = std::fmax(fit.endWs, 2.0f * fit.nearWs);
 
     // Rows of the map's clip space, x and y in texels.
     glm::dmat4 rows = glm::transpose(glm::dmat4(projection.clipFromZero));
@@ -159,6 +160,7 @@ void addLightProjection(gpu::MapConstants& constants, std::span<const LightFit> 
     const MapProjection face = mapProjection(fits.front(), *task.light); // all six differ in their axes only
     constants.map.depthConstant = face.depthConstant;
     constants.map.depthScale = face.depthScale;
+    constants.map.farWs = std::fmax(fits.front().endWs, 2.0f * fits.front().nearWs);
     constants.map.slope = 0.5f * fits.front().texelAtOne;
 }
 

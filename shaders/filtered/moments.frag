@@ -64,7 +64,7 @@ void main()
     Tap tap = tapOf(r, clip, layer);
     float nearer = linearZ(linear, tap.depth - planeTexels * length(tap.depthPerTexel));
 
-    MomentsConstants k;
+    MomentBounds k;
     k.kind = FOUR ? MOMENTS_MSM : min(kind, MOMENTS_EVSM4);
     k.exponent = exponent;
     k.deviation = deviation;

@@ -11,10 +11,14 @@
 //     ...
 //     float lit = gn_sampleShadow(i, position, normal); // 1 lit, 0 umbra, for GnViewFrame::pLights[i]
 //
-// Two more functions take the same arguments. They are there where what they need is defined before:
+// Three more functions take the same arguments. They are there where what they need is defined before:
 //     #define GNOMON_SHADOW_REVECTORIZED 1 // gn_sampleShadowRevectorized(): `mode` of rbsm, 0 to 2
 //     #define GNOMON_SHADOW_SOFT 64        // gn_sampleShadowSoft(): taps of the filter, 128 at most
 //     #define GNOMON_SHADOW_PIXEL gl_FragCoord.xy // for it: turns its taps; without, they turn with the place in the map
+//
+//     #define GNOMON_SHADOW_MOMENTS 3      // gn_sampleShadowMoments(): `kind` of moments, 0 to 4
+//     #define GNOMON_SHADOW_MOMENTS_FILTER 5     // its `filter`, 15 at most; without: 5
+//     #define GNOMON_SHADOW_MOMENTS_BLEEDING 0.1 // its `bleeding`; without: 0.1
 //
 // HLSL for glslang's front end: define GNOMON_HLSL first. Up to eight lights need nothing of the device. For more of
 // them define GNOMON_SHADOW_INDEXED, and enable shaderSampledImageArrayDynamicIndexing; where the index differs among
@@ -255,6 +259,82 @@ float gn_sampleShadowSoft(uint light, vec3 position, vec3 normal)
     if (found.count <= 0.0) return shareAbove(look, r);
     float spread = max(spreadAt(cone, found.mean), 0.5); // the edge of a map is not sharper than half a texel
     return discVisibility(cone, spread, direction, uint(GNOMON_SHADOW_SOFT)) * shareAbove(look, r);
+}
+#endif
+
+#ifdef GNOMON_SHADOW_MOMENTS
+#ifndef GNOMON_SHADOW_MOMENTS_FILTER
+#define GNOMON_SHADOW_MOMENTS_FILTER 5
+#endif
+#ifndef GNOMON_SHADOW_MOMENTS_BLEEDING
+#define GNOMON_SHADOW_MOMENTS_BLEEDING 0.1
+#endif
+#include "../filtered/moment_bounds.h"
+
+MomentBounds gnomonShadowBounds()
+{
+    MomentBounds k;
+    k.kind = uint(GNOMON_SHADOW_MOMENTS);
+    k.exponent = 40.0;
+    k.deviation = MOMENT_DEVIATION;
+    k.momentBias = MOMENT_BIAS;
+    return k;
+}
+
+vec4 gnomonShadowMomentsOf(LinearDepth ends, float depth)
+{
+    MomentBounds k = gnomonShadowBounds();
+    return momentsOf(k.kind, k.exponent, linearZ(ends, depth));
+}
+
+// `moments` averages whole maps beforehand; here the box around the receiver is averaged when it is asked.
+vec4 gnomonShadowMean(LinearDepth ends, Tap tap, float side)
+{
+    vec2 low = tap.at - 0.5 * side;
+    vec2 base = floor(low);
+    vec2 part = low - base;
+    vec4 sum = vec4(0.0, 0.0, 0.0, 0.0);
+    for (float y = 0.0; y < side; y += 2.0) { // bound: MAX_KERNEL_SIDE
+        vec2 wy = vec2(y == 0.0 ? 1.0 - part.y : 1.0, y + 1.0 == side ? part.y : 1.0);
+        for (float x = 0.0; x < side; x += 2.0) { // bound: MAX_KERNEL_SIDE
+            vec2 wx = vec2(x == 0.0 ? 1.0 - part.x : 1.0, x + 1.0 == side ? part.x : 1.0);
+            vec4 depths = mapGather(tap, base + vec2(x, y) + 1.0);
+            sum += wx.x * wy.y * gnomonShadowMomentsOf(ends, depths.x);
+            sum += wx.y * wy.y * gnomonShadowMomentsOf(ends, depths.y);
+            sum += wx.y * wy.x * gnomonShadowMomentsOf(ends, depths.z);
+            sum += wx.x * wy.x * gnomonShadowMomentsOf(ends, depths.w);
+        }
+    }
+    return sum / (side * side);
+}
+
+float gnomonShadowBound(MapLookup look, Tap tap)
+{
+    if (look.positional == 0.0 && !texelExists(tap, tap.at)) return 1.0; // beside a sun's map there is no caster
+    LinearDepth ends;
+    ends.perspective = look.positional;
+    ends.scale = look.positional != 0.0 ? -look.depthScale / max(look.farWs, 1e-6) : 1.0;
+    ends.offset = ends.padding = 0.0;
+    float side = clamp(float(GNOMON_SHADOW_MOMENTS_FILTER), 1.0, float(MAX_KERNEL_SIDE));
+    float deviation = side * 0.28867513; // of places in the box along an axis: sqrt(1 / 12)
+    float nearer = linearZ(ends, tap.depth - deviation * length(tap.depthPerTexel));
+    float lit = momentsLit(gnomonShadowBounds(), gnomonShadowMean(ends, tap, side), linearZ(ends, tap.depth), nearer);
+    return withoutBleeding(lit, GNOMON_SHADOW_MOMENTS_BLEEDING);
+}
+
+// The same by statistics of the depths in a box, VSM to MSM, as `moments` has them with `bits` 32, `boxes` 1 and
+// `exponent` 40. (filter + 1)^2 texels are read. Paraboloids are asked as by gn_sampleShadow().
+float gn_sampleShadowMoments(uint light, vec3 position, vec3 normal)
+{
+    PlaneReceiver r = gnomonShadowReceiver(light, position, normal);
+    if (r.decided) return r.visibility;
+    MapLookup look = gnomonShadows[gnomonShadowLight].map;
+    if (gnomonShadows[gnomonShadowLight].kind == SAMPLE_DISCS) return gnomonShadowDisc(look, r);
+    vec4 clip;
+    CascadeTaps taps = gnomonShadowTaps(look, r, clip);
+    float fine = gnomonShadowBound(look, taps.fine);
+    if (taps.coarseShare <= 0.0) return fine;
+    return fine + taps.coarseShare * (gnomonShadowBound(look, taps.coarse) - fine);
 }
 #endif
 #endif

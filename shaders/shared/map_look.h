@@ -24,7 +24,7 @@ struct MapLookup {
     float side;          // texels
     float filterSide;    // texels, odd
     float slope;         // cube: half width of a face at depth 1; cascades: texels over which a map fades into the next
-    float farWs;         // paraboloid: distance of depth 1, metres
+    float farWs;         // metres; paraboloid: distance of depth 1; other maps about a place: depth where casters end
     float kernel;        // KERNEL_*
 };
 GN_SHARED_OFFSET(MapLookup, depthConstant, 208)

@@ -77,18 +77,15 @@ void filter(const BoxSums& sums)
         boxMeans(sums, i);
 }
 
-MomentsConstants constantsOf(uint kind, uint bits)
+MomentBounds constantsOf(uint kind, uint bits)
 {
-    MomentsConstants k{};
-    k.kind = kind;
-    k.bits = bits;
-    k.exponent = momentExponent(kind, bits, 42.0f);
-    k.deviation = 0x1p-11f;
-    k.momentBias = 3e-7f;
-    return k;
+    return {.kind = kind,
+            .exponent = momentExponent(kind, bits, 42.0f),
+            .deviation = MOMENT_DEVIATION,
+            .momentBias = MOMENT_BIAS};
 }
 
-vec4 mean(const MomentsConstants& k, const std::vector<float>& depths)
+vec4 mean(const MomentBounds& k, const std::vector<float>& depths)
 {
     vec4 sum(0.0f);
     for (const float z : depths)
@@ -231,7 +228,7 @@ TEST_CASE("kinds with several moments never say less light than the share of dep
         ++count;
         for (const uint kind : {MOMENTS_VSM, MOMENTS_EVSM2, MOMENTS_EVSM4, MOMENTS_MSM}) {
             CAPTURE(kind);
-            const MomentsConstants k = constantsOf(kind, 32);
+            const MomentBounds k = constantsOf(kind, 32);
             const float said = momentsLit(k, mean(k, depths), z, z);
             CHECK(said >= lit - 2e-3f); // rounding of four moments, and their bias
             excess[kind] += static_cast<double>(said - lit);
@@ -249,7 +246,7 @@ TEST_CASE("of two depths, the receiver on the farther, every kind gives the shar
 {
     for (const uint kind : {MOMENTS_VSM, MOMENTS_ESM, MOMENTS_EVSM2, MOMENTS_EVSM4, MOMENTS_MSM}) {
         CAPTURE(kind);
-        const MomentsConstants k = constantsOf(kind, 32);
+        const MomentBounds k = constantsOf(kind, 32);
         for (int lit = 0; lit <= 10; ++lit) {
             std::vector<float> depths(10, 0.3f);
             std::fill_n(depths.begin(), lit, 0.8f);
@@ -261,7 +258,7 @@ TEST_CASE("of two depths, the receiver on the farther, every kind gives the shar
 TEST_CASE("a receiver on a plane that is in the map at any slope is lit by every kind")
 {
     for (uint kind = 0; kind < MOMENT_KINDS; ++kind) {
-        const MomentsConstants k = constantsOf(kind, 32);
+        const MomentBounds k = constantsOf(kind, 32);
         for (const float half : {0.3f, 0.1f, 0.03f, 0.01f, 0.001f}) {
             CAPTURE(kind);
             CAPTURE(half);
@@ -280,7 +277,7 @@ TEST_CASE("no depths, exponents and formats give what is no number, and none tha
     for (uint kind = 0; kind < MOMENT_KINDS; ++kind) {
         for (const uint bits : {16u, 32u}) {
             for (const float asked : {-1.0f, 0.0f, 1.0f, 40.0f, 1e30f}) {
-                MomentsConstants k = constantsOf(kind, bits);
+                MomentBounds k = constantsOf(kind, bits);
                 k.exponent = momentExponent(kind, bits, asked);
                 CAPTURE(kind);
                 CAPTURE(bits);

@@ -8,9 +8,13 @@
 #include "device/sampled_support.hpp"
 #include "device/target_support.hpp"
 #include "shaders/sampled_comp.h"
+#include "shaders/sampled_evsm_comp.h"
+#include "shaders/sampled_evsm_hlsl.h"
 #include "shaders/sampled_hlsl.h"
 #include "shaders/sampled_lines_comp.h"
 #include "shaders/sampled_lines_hlsl.h"
+#include "shaders/sampled_msm_comp.h"
+#include "shaders/sampled_msm_hlsl.h"
 #include "shaders/sampled_soft_comp.h"
 #include "shaders/sampled_soft_hlsl.h"
 
@@ -210,6 +214,43 @@ TEST_CASE_FIXTURE(DeviceTest, "a host's shader has the penumbrae of pcss, in GLS
         CHECK(rmse <= 0.15 * rmseHard); // the nearest blocker is looked for with 32 taps, not in a pyramid
         CHECK(tally.differing * 1000 <= tally.clear);
         CHECK(farthest(hlsl.sample(host, light, scene.points), answers) < 0.05f);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a host's shader has the statistics of moments, in GLSL and in HLSL")
+{
+    struct Kind {
+        double kind;
+        std::span<const uint32_t> glsl, hlsl;
+        size_t edgesPerDiffering; ///< Of MSM sums in another order are divided by small differences.
+    };
+    for (const Kind& kind : {Kind{3.0, k_sampled_evsm_comp, k_sampled_evsm_hlsl, 200},
+                             Kind{4.0, k_sampled_msm_comp, k_sampled_msm_hlsl, 40}}) {
+        CAPTURE(kind.kind);
+        Sampled scene;
+        Host& host = scene.host;
+        Sampler glsl(kind.glsl), hlsl(kind.hlsl), plain(k_sampled_comp);
+        host.require(gnSetMethodSetting(host.context, "moments", "kind", kind.kind));
+        host.pinAll("moments");
+        host.require(host.draw());
+        const std::vector<Image8> pictures = host.pictures();
+        for (uint32_t light = 0; light < host.lights.size(); ++light) {
+            CAPTURE(light);
+            const Tally own = compare(scene, pictures[light], glsl.sample(host, light, scene.points));
+            CHECK(std::string(glsl.last.pMethods[light]) == "moments");
+            const Tally other = compare(scene, pictures[light], hlsl.sample(host, light, scene.points));
+            const Tally hard = compare(scene, pictures[light], plain.sample(host, light, scene.points));
+            MESSAGE(host.scene.lights[light].name << ", kind " << kind.kind << ": " << own.differingAtEdges << " (HLSL "
+                                                  << other.differingAtEdges << ") of " << own.edges
+                                                  << " pixels at edges differ from moments, of plain look-ups "
+                                                  << hard.differingAtEdges);
+            for (const Tally& tally : {own, other}) {
+                CHECK(tally.clear > 5000);
+                CHECK(tally.differing == 0);
+                CHECK(tally.differingAtEdges * kind.edgesPerDiffering <= tally.edges);
+                CHECK(hard.differingAtEdges > 2 * tally.differingAtEdges);
+            }
+        }
     }
 }
 

@@ -26,7 +26,7 @@ table='
 1  shaders/warped           shaders/shared
 1  shaders/filtered         shaders/shared
 2  shaders/area             shaders/shared shaders/revectorized
-2  shaders/host             shaders/shared shaders/maps shaders/omni shaders/revectorized
+2  shaders/host             shaders/shared shaders/maps shaders/omni shaders/revectorized shaders/filtered
 1  shaders/demo             shaders/shared runtime/include/gnomon
 2  rules/engine             runtime/base
 2  runtime/vk               runtime/base runtime/include/gnomon

@@ -15,6 +15,8 @@ uint pixel;
 #define SAMPLE gn_sampleShadowRevectorized
 #elif defined(GNOMON_SHADOW_SOFT)
 #define SAMPLE gn_sampleShadowSoft
+#elif defined(GNOMON_SHADOW_MOMENTS)
+#define SAMPLE gn_sampleShadowMoments
 #else
 #define SAMPLE gn_sampleShadow
 #endif
