@@ -1,14 +1,15 @@
-// Vulkan as a small engine wraps it: a device, memory, pipelines, barriers.
+// Vulkan as a small engine wraps it: a device, memory, images, render passes, pipelines.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include <vulkan/vulkan_raii.hpp> // before GLFW, which offers Vulkan's functions then
+
+#include <GLFW/glfw3.h>
 #include <gnomon/gnomon.h>
-#include <vulkan/vulkan_raii.hpp>
 
 namespace embed {
 
@@ -18,73 +19,45 @@ struct Image {
     vk::raii::Image image = nullptr;
     vk::raii::ImageView view = nullptr;
 };
+constexpr auto kDepthFormat = vk::Format::eD32Sfloat; // of every image with depth
 
-inline vk::ImageSubresourceRange wholeOf(vk::Format format)
-{
-    using Aspect = vk::ImageAspectFlagBits;
-    return {format == vk::Format::eD32Sfloat ? Aspect::eDepth : Aspect::eColor, 0, 1, 0, 1};
-}
-
-/// What an image is used for, before a barrier or after it.
-struct Use {
-    vk::PipelineStageFlags2 stages;
-    vk::AccessFlags2 access;
-    vk::ImageLayout layout;
+struct PipelineInfo {
+    std::span<const uint32_t> vertex, fragment;
+    vk::RenderPass pass;
+    uint32_t colours = 1;
+    bool positions = true, depth = false, blended = false;
 };
-using Stage2 = vk::PipelineStageFlagBits2;
-using Access2 = vk::AccessFlagBits2;
-inline const Use kColour{Stage2::eColorAttachmentOutput, Access2::eColorAttachmentRead | Access2::eColorAttachmentWrite,
-                         vk::ImageLayout::eColorAttachmentOptimal};
-inline const Use kDepth{Stage2::eEarlyFragmentTests | Stage2::eLateFragmentTests,
-                        Access2::eDepthStencilAttachmentRead | Access2::eDepthStencilAttachmentWrite,
-                        vk::ImageLayout::eDepthAttachmentOptimal};
-/// By gnomon, which may read at any stage, and by lighting.
-inline const Use kRead{Stage2::eAllCommands, Access2::eShaderRead, vk::ImageLayout::eShaderReadOnlyOptimal};
-inline const Use kCopied{Stage2::eTransfer, Access2::eTransferRead, vk::ImageLayout::eTransferSrcOptimal};
-
-inline void barrier(const vk::raii::CommandBuffer& commands, vk::Image image, vk::Format format, const Use& from,
-                    const Use& to)
-{
-    const vk::ImageMemoryBarrier2 one(from.stages, from.access, to.stages, to.access, from.layout, to.layout,
-                                      VK_QUEUE_FAMILY_IGNORED, VK_QUEUE_FAMILY_IGNORED, image, wholeOf(format));
-    commands.pipelineBarrier2(vk::DependencyInfo({}, {}, {}, one));
-}
 
 class Gpu {
 public:
-    /// Whether queues of a family can present to the window.
-    using Presents = std::function<bool(VkInstance, VkPhysicalDevice, uint32_t family)>;
-    /// The first device that gnomon runs on and that can present. \param surface Instance extensions of the window;
-    /// empty: there is none.
-    explicit Gpu(const std::vector<const char*>& surface, const Presents& presents = nullptr)
+    /// The first device that gnomon runs on and that can present. \param window Null: there is none.
+    explicit Gpu(GLFWwindow* window)
     {
+        uint32_t count = 0;
+        const char** names = window ? glfwGetRequiredInstanceExtensions(&count) : nullptr;
         const vk::ApplicationInfo app(nullptr, 0, nullptr, 0, VK_API_VERSION_1_3);
-        instance = vk::raii::Instance(loader_, vk::InstanceCreateInfo({}, &app, {}, surface));
+        instance = {loader_, vk::InstanceCreateInfo({}, &app, 0, nullptr, count, names)};
         GnDeviceNeeds needs{};
         std::string why = "there is none";
-        for (vk::raii::PhysicalDevice& candidate : vk::raii::PhysicalDevices(instance)) {
-            if (gnQueryDeviceNeeds(*instance, *candidate, vkGetInstanceProcAddr, &needs) < 0) {
-                why = needs.reason;
-                continue;
-            }
+        const auto serves = [&](const vk::raii::PhysicalDevice& candidate) {
+            const GnResult runs = gnQueryDeviceNeeds(*instance, *candidate, vkGetInstanceProcAddr, &needs);
+            why = runs < 0 ? needs.reason : "none of its queues draws, computes and presents";
             const auto families = candidate.getQueueFamilyProperties();
             constexpr auto wanted = vk::QueueFlagBits::eGraphics | vk::QueueFlagBits::eCompute;
-            const auto fits = [&] {
-                return (families[family].queueFlags & wanted) == wanted &&
-                       (!presents || presents(*instance, *candidate, family));
-            };
-            for (family = 0; family < families.size() && !fits();)
-                ++family;
-            why = "none of its queues presents to the window";
-            if (family == families.size()) continue;
-            physical = std::move(candidate);
-            break;
-        }
-        if (!*physical) throw std::runtime_error("no device: " + why);
+            for (family = 0; runs >= 0 && family < families.size(); ++family)
+                if ((families[family].queueFlags & wanted) == wanted &&
+                    (!window || glfwGetPhysicalDevicePresentationSupport(*instance, *candidate, family)))
+                    return true;
+            return false;
+        };
+        vk::raii::PhysicalDevices devices(instance);
+        const auto found = std::find_if(devices.begin(), devices.end(), serves);
+        if (found == devices.end()) throw std::runtime_error("no device: " + why);
+        physical = std::move(*found);
 
         extensions.assign(needs.ppOptionalExtensions, needs.ppOptionalExtensions + needs.optionalExtensionCount);
         extensions.push_back(VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME);
-        if (!surface.empty()) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
+        if (window) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
         features13_.setSynchronization2(true).setDynamicRendering(true);
         features13_.setPNext(const_cast<void*>(needs.pOptionalFeatures)); // of those extensions
         features12_.setTimelineSemaphore(true).setPNext(&features13_);
@@ -113,36 +86,94 @@ public:
         return memory;
     }
 
-    /// \param depth Tested and written, reversed. \param positions Read as vertices; else there are none.
-    vk::raii::Pipeline createPipeline(vk::PipelineLayout layout, std::span<const uint32_t> vertex,
-                                      std::span<const uint32_t> fragment, const std::vector<vk::Format>& colours,
-                                      vk::Format depth, bool positions, bool blended) const
+    /// Drawn into, then read by shaders and by copies.
+    void create(Image& made, vk::Extent2D size) const
     {
-        const vk::raii::ShaderModule modules[] = {{device, {{}, vertex.size_bytes(), vertex.data()}},
-                                                  {device, {{}, fragment.size_bytes(), fragment.data()}}};
+        const bool depth = made.format == kDepthFormat;
+        using Usage = vk::ImageUsageFlagBits;
+        const auto drawn = depth ? Usage::eDepthStencilAttachment : Usage::eColorAttachment;
+        const vk::ImageCreateInfo info({}, vk::ImageType::e2D, made.format, {size.width, size.height, 1}, 1, 1,
+                                       vk::SampleCountFlagBits::e1, vk::ImageTiling::eOptimal,
+                                       drawn | Usage::eSampled | Usage::eTransferSrc);
+        made.image = {device, info};
+        made.memory = place(made.image, vk::MemoryPropertyFlagBits::eDeviceLocal);
+        using Aspect = vk::ImageAspectFlagBits;
+        const vk::ImageSubresourceRange all(depth ? Aspect::eDepth : Aspect::eColor, 0, 1, 0, 1);
+        made.view = {device, vk::ImageViewCreateInfo({}, *made.image, vk::ImageViewType::e2D, made.format, {}, all)};
+    }
+
+    /// Clears its images to 0 (depth is reversed: infinitely far), draws, and leaves them to whatever reads them.
+    vk::raii::RenderPass createPass(std::initializer_list<vk::Format> formats, vk::ImageLayout after) const
+    {
+        std::vector<vk::AttachmentDescription> images;
+        std::vector<vk::AttachmentReference> colours;
+        vk::AttachmentReference depth(VK_ATTACHMENT_UNUSED);
+        for (const vk::Format format : formats) {
+            if (format == kDepthFormat)
+                depth = {uint32_t(images.size()), vk::ImageLayout::eDepthStencilAttachmentOptimal};
+            else
+                colours.emplace_back(uint32_t(images.size()), vk::ImageLayout::eColorAttachmentOptimal);
+            images.emplace_back().setFormat(format).setFinalLayout(after).setLoadOp(vk::AttachmentLoadOp::eClear);
+        }
+        const vk::SubpassDescription subpass({}, vk::PipelineBindPoint::eGraphics, {}, colours, {}, &depth);
+        using Stage = vk::PipelineStageFlagBits;
+        using Access = vk::AccessFlagBits;
+        const auto draws = Stage::eColorAttachmentOutput | Stage::eEarlyFragmentTests | Stage::eLateFragmentTests;
+        const auto writes = Access::eColorAttachmentWrite | Access::eDepthStencilAttachmentWrite;
+        const auto uses = writes | Access::eColorAttachmentRead | Access::eDepthStencilAttachmentRead;
+        const auto reads = Access::eShaderRead | Access::eTransferRead; // gnomon's may be at any stage
+        const vk::SubpassDependency around[] = {
+            {VK_SUBPASS_EXTERNAL, 0, Stage::eAllCommands, draws, {}, uses}, // the last frame's reads
+            {0, VK_SUBPASS_EXTERNAL, draws, Stage::eAllCommands, writes, reads}};
+        return {device, vk::RenderPassCreateInfo({}, images, subpass, around)};
+    }
+
+    vk::raii::Framebuffer createFramebuffer(vk::RenderPass pass,
+                                            vk::ArrayProxyNoTemporaries<const vk::ImageView> images,
+                                            vk::Extent2D size) const
+    {
+        return {device, vk::FramebufferCreateInfo({}, pass, images, size.width, size.height, 1)};
+    }
+
+    vk::raii::Pipeline createPipeline(vk::PipelineLayout layout, const PipelineInfo& wanted) const
+    {
+        const vk::raii::ShaderModule vertex(device, {{}, wanted.vertex.size_bytes(), wanted.vertex.data()});
+        const vk::raii::ShaderModule fragment(device, {{}, wanted.fragment.size_bytes(), wanted.fragment.data()});
         const vk::PipelineShaderStageCreateInfo stages[] = {
-            {{}, vk::ShaderStageFlagBits::eVertex, *modules[0], "main"},
-            {{}, vk::ShaderStageFlagBits::eFragment, *modules[1], "main"}};
+            {{}, vk::ShaderStageFlagBits::eVertex, *vertex, "main"},
+            {{}, vk::ShaderStageFlagBits::eFragment, *fragment, "main"}};
         const vk::VertexInputBindingDescription binding(0, 3 * sizeof(float));
         const vk::VertexInputAttributeDescription attribute(0, 0, vk::Format::eR32G32B32Sfloat, 0);
-        const vk::PipelineVertexInputStateCreateInfo vertices({}, positions, &binding, positions, &attribute);
+        vk::PipelineVertexInputStateCreateInfo vertices;
+        if (wanted.positions) vertices = {{}, binding, attribute};
         const vk::PipelineInputAssemblyStateCreateInfo assembly({}, vk::PrimitiveTopology::eTriangleList);
         const vk::PipelineViewportStateCreateInfo viewport({}, 1, nullptr, 1, nullptr);
         const auto raster = vk::PipelineRasterizationStateCreateInfo().setLineWidth(1.0f);
         const vk::PipelineMultisampleStateCreateInfo samples;
-        const bool hasDepth = depth != vk::Format::eUndefined;
-        const vk::PipelineDepthStencilStateCreateInfo tests({}, hasDepth, hasDepth, vk::CompareOp::eGreater);
-        const std::vector<vk::PipelineColorBlendAttachmentState> targets(
-            colours.size(),
-            {blended, vk::BlendFactor::eSrcAlpha, vk::BlendFactor::eOneMinusSrcAlpha, vk::BlendOp::eAdd,
-             vk::BlendFactor::eZero, vk::BlendFactor::eOne, vk::BlendOp::eAdd, vk::ColorComponentFlags(0xf)});
+        const vk::PipelineDepthStencilStateCreateInfo tests({}, wanted.depth, wanted.depth, vk::CompareOp::eGreater);
+        auto target = vk::PipelineColorBlendAttachmentState().setColorWriteMask(vk::ColorComponentFlags(0xf));
+        target.setBlendEnable(wanted.blended).setSrcColorBlendFactor(vk::BlendFactor::eSrcAlpha);
+        target.setDstColorBlendFactor(vk::BlendFactor::eOneMinusSrcAlpha).setDstAlphaBlendFactor(vk::BlendFactor::eOne);
+        const std::vector targets(wanted.colours, target);
         const vk::PipelineColorBlendStateCreateInfo blend({}, false, vk::LogicOp::eCopy, targets);
         const std::array states{vk::DynamicState::eViewport, vk::DynamicState::eScissor};
         const vk::PipelineDynamicStateCreateInfo dynamic({}, states);
-        const vk::PipelineRenderingCreateInfo rendering(0, colours, depth);
-        vk::GraphicsPipelineCreateInfo info({}, stages, &vertices, &assembly, nullptr, &viewport, &raster, &samples,
-                                            &tests, &blend, &dynamic, layout);
-        return {device, nullptr, info.setPNext(&rendering)};
+        const vk::GraphicsPipelineCreateInfo info({}, stages, &vertices, &assembly, nullptr, &viewport, &raster,
+                                                  &samples, &tests, &blend, &dynamic, layout, wanted.pass);
+        return {device, nullptr, info};
+    }
+
+    /// Submits what is recorded, and waits.
+    template <typename Record>
+    void once(Record&& record) const
+    {
+        const vk::raii::CommandPool pool(device, vk::CommandPoolCreateInfo({}, family));
+        const vk::raii::CommandBuffers commands(device, {*pool, {}, 1});
+        commands[0].begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
+        record(commands[0]);
+        commands[0].end();
+        queue.submit(vk::SubmitInfo({}, {}, *commands[0]));
+        device.waitIdle();
     }
 
 private:

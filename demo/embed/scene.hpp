@@ -43,17 +43,18 @@ inline Scene loadScene(const std::string& file)
                                                        aiProcess_FindDegenerates | aiProcess_SortByPType);
     std::vector<glm::vec3> at;
     std::vector<uint32_t> of;
+    glm::vec3 low(HUGE_VALF), high(-HUGE_VALF);
     for (unsigned m = 0; model && m < model->mNumMeshes; ++m) {
         const aiMesh& mesh = *model->mMeshes[m];
         for (unsigned i = 0; i < 3 * mesh.mNumFaces; ++i)
             of.push_back(uint32_t(at.size()) + mesh.mFaces[i / 3].mIndices[i % 3]);
-        for (unsigned v = 0; v < mesh.mNumVertices; ++v)
+        for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
             at.emplace_back(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
+            low = glm::min(low, at.back());
+            high = glm::max(high, at.back());
+        }
     }
     if (of.empty()) throw std::runtime_error(file + ": no triangles. " + importer.GetErrorString());
-    glm::vec3 low = at[0], high = low;
-    for (const glm::vec3& p : at)
-        low = glm::min(low, p), high = glm::max(high, p);
     for (glm::vec3& p : at)
         p = (p - glm::vec3(0.5f * (low.x + high.x), low.y, 0.5f * (low.z + high.z))) * (2.0f / (high.y - low.y));
 
@@ -66,13 +67,14 @@ inline Scene loadScene(const std::string& file)
     return scene;
 }
 
-struct Light { // as shaders/frame.glsl has it
+struct Light { // as in shaders.glsl
     glm::vec4 positionAndRange, direction, colour;
 };
-constexpr uint32_t kLights = 3;
 inline constexpr std::array kLightNames{"sun", "spot", "lamp"}; // in the order of GnLightType
+constexpr uint32_t kLights = kLightNames.size();
+using Lights = std::array<Light, kLights>;
 
-inline std::array<Light, kLights> lightsAt(double seconds)
+inline Lights lightsAt(double seconds)
 {
     const glm::vec3 spot(3.5f, 4.5f, 2.5f);
     const float angle = 0.7f * float(seconds) + 2.4f;
@@ -93,13 +95,13 @@ constexpr float kYaw = 0.6f, kPitch = 0.35f, kDistance = 4.6f; // at first
 inline Camera orbit(float yaw, float pitch, float distance, float aspect)
 {
     const glm::vec3 back(std::cos(pitch) * std::sin(yaw), std::sin(pitch), std::cos(pitch) * std::cos(yaw));
-    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back)), up = glm::cross(back, right);
+    const glm::vec3 right = glm::normalize(glm::cross(glm::vec3(0, 1, 0), back));
+    const glm::mat3 worldFromView(right, glm::cross(back, right), back);
     const glm::vec3 eye = glm::vec3(0, 0.9f, 0) + distance * back;
-    const glm::mat3 worldFromView(right, up, back), viewFromWorld = glm::transpose(worldFromView);
+    glm::mat4 viewFromWorld(glm::transpose(worldFromView));
+    viewFromWorld[3] = viewFromWorld * glm::vec4(-eye, 0) + glm::vec4(0, 0, 0, 1);
     const glm::mat4 clipFromView({1.9f / aspect, 0, 0, 0}, {0, -1.9f, 0, 0}, {0, 0, 0, -1}, {0, 0, 0.1f, 0});
-    glm::mat4 moved(viewFromWorld);
-    moved[3] = glm::vec4(-(viewFromWorld * eye), 1.0f);
-    return {eye, worldFromView, clipFromView, clipFromView * moved};
+    return {eye, worldFromView, clipFromView, clipFromView * viewFromWorld};
 }
 
 } // namespace embed

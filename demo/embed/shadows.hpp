@@ -36,24 +36,22 @@ public:
             const std::span at(&scene.positions[object.firstVertex], object.vertexCount);
             const std::span of(&scene.indices[object.firstIndex], object.indexCount);
             meshes_.push_back(context.createMesh(at, of, object.name).value());
-            const GnInstanceCreateInfo placed{// in the world already: by the identity
-                                              .flags = GN_INSTANCE_STATIC_BIT,
-                                              .pName = object.name,
-                                              .mesh = meshes_.back().get()};
+            GnInstanceCreateInfo placed{.flags = GN_INSTANCE_STATIC_BIT, .pName = object.name};
+            placed.mesh = meshes_.back().get(); // in the world already: by the identity
             instances_.push_back(context.createInstance(placed).value());
         }
-        for (size_t i = 0; i < lights.size(); ++i)
+        for (size_t i = 0; i < kLights; ++i)
             lights[i] = context.createLight(describe(i, lightsAt(0.0)[i])).value();
         view = context.createView().value();
         context.warmUp().require(); // behind the loading screen
     }
 
     /// \param commands Recorded into; null: gnomon submits to the queue.
-    void render(vk::CommandBuffer commands, const Camera& camera, const std::array<Light, kLights>& now,
-                const Image& depth, const Image& normals, vk::Extent2D size, uint64_t frame, uint64_t completed) const
+    void render(vk::CommandBuffer commands, const Camera& camera, const Lights& now, const Image& depth,
+                const Image& normals, vk::Extent2D size, uint64_t frame, uint64_t completed) const
     {
         std::array<GnLight, kLights> handles{};
-        for (size_t i = 0; i < lights.size(); ++i) {
+        for (size_t i = 0; i < kLights; ++i) {
             lights[i].update(describe(i, now[i])).require();
             handles[i] = lights[i].get();
         }
@@ -65,10 +63,10 @@ public:
                          .normalImage = *normals.image,
                          .normalView = *normals.view,
                          .normalFormat = VkFormat(normals.format)};
+        gn::setLights(seen, handles);
         std::copy_n(&camera.eye.x, 3, seen.eye);
         std::memcpy(seen.viewFromWorld, &camera.worldFromView, sizeof seen.viewFromWorld); // its columns are rows
         std::memcpy(seen.projection, &camera.clipFromView, sizeof seen.projection);
-        gn::setLights(seen, handles);
         const gn::Frame all{.frame = frame, .completedFrame = completed, .views = {&seen, 1}};
         (commands ? context.cmdRenderShadows(commands, all) : context.submitShadows(all)).require();
     }
@@ -80,8 +78,7 @@ public:
 private:
     static GnLightInfo describe(size_t index, const Light& light)
     {
-        GnLightInfo info{
-            .type = GnLightType(index), .flags = GN_LIGHT_SAMPLED_BIT /* by the glass */, .pName = kLightNames[index]};
+        GnLightInfo info{.type = GnLightType(index), .flags = GN_LIGHT_SAMPLED_BIT, .pName = kLightNames[index]};
         std::copy_n(&light.positionAndRange.x, 3, info.position);
         std::copy_n(&light.direction.x, 3, info.direction);
         info.range = light.positionAndRange.w;

@@ -252,7 +252,10 @@ TEST_CASE("the picture is lit and dark where rays say so, glass included, by bot
         REQUIRE(height == unsigned(kHeight));
 
         std::map<std::string, int> clear, wrong; // by the surface in front
-        int dark = 0, lit = 0;
+        int dark = 0, lit = 0, opaque = 0;
+        for (size_t i = 3; i < shown.size(); i += 4)
+            opaque += shown[i] == 255;
+        CHECK(opaque == kWidth * kHeight);
         for (int y = 1; y + 1 < kHeight; ++y)
             for (int x = 1; x + 1 < kWidth; ++x) {
                 if (!isClear(truth, x, y)) continue;
