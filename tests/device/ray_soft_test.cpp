@@ -282,12 +282,13 @@ TEST_CASE_FIXTURE(DeviceTest, "motion vectors keep what is known of receivers th
         const char* name;
         glm::dvec3 step;
     };
-    for (const auto& [name, step] : {Move{"up", {0.0, 0.25, 0.0}}, {"across", {0.25, 0.0, 0.0}}}) {
-        CAPTURE(std::string(name));
+    for (const Move& move : {Move{"up", {0.0, 0.25, 0.0}}, Move{"across", {0.25, 0.0, 0.0}}}) {
+        CAPTURE(std::string(move.name));
+        const glm::dvec3& step = move.step;
         const double without = errorOf(Says::nothing, step, step), screen = errorOf(Says::screen, step, step),
                      depthToo = errorOf(Says::depthToo, step, step);
-        MESSAGE(std::string(name) << ": RMSE in the penumbra " << without << " without vectors, " << screen << " with, "
-                                  << depthToo << " with depth");
+        MESSAGE(std::string(move.name) << ": RMSE in the penumbra " << without << " without vectors, " << screen
+                                       << " with, " << depthToo << " with depth");
         CHECK(screen <= 0.95 * without);
         CHECK(depthToo <= 0.95 * without);
     }
