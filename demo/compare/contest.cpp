@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "demo/compare/standing.hpp"
 #include "demo/host/pin_thread.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
@@ -65,8 +66,7 @@ Stage stageOf(Device& device, const Scene& scene, const CompareOptions& options)
             .scene = scene,
             .size = size,
             .path = {scene, options.seconds, options.stride},
-            .recorded = options.entry == "recorded",
-            .budgetMs = options.budgetMs};
+            .recorded = options.entry == "recorded"};
 }
 
 /// Those that the device can use.
@@ -95,6 +95,7 @@ Contest::Contest(const CompareOptions& options, const std::string& scene)
     : options_(options), scene_(sceneOf(scene, options.lights)), device_(Device::create({})),
       stage_(stageOf(*device_, scene_, options))
 {
+    if (!options.budget.empty()) budget_ = valueOf(parseBudgets(options.budget)).front();
     addAdaptive();
 }
 
@@ -165,8 +166,12 @@ void Contest::run()
     std::vector<const Contestant*> turn;
     for (const Contestant& contestant : contestants_)
         if (contestant.choice.overBest == 0.0) turn.push_back(&contestant);
+    // What a budget is relative to is measured first.
+    if (budgetFactor() > 0.0)
+        std::stable_partition(turn.begin(), turn.end(), [](const Contestant* c) { return c->rules.name.empty(); });
     for (uint32_t i = 0; i < options_.alternations; ++i) {
         for (const Contestant* contestant : turn) {
+            if (!contestant->rules.name.empty() && budget_ && hostBudgetMs_[0].empty()) setBudgets();
             runOnce(*contestant);
             progress.show(++done, rows_[contestant->row].name);
         }
@@ -175,6 +180,20 @@ void Contest::run()
         done = (i + 1) * static_cast<uint32_t>(contestants_.size());
         progress.show(done, "alternation " + std::to_string(i + 1));
     }
+}
+
+/// Before the first adaptive run.
+void Contest::setBudgets()
+{
+    for (const bool warm : {false, true}) {
+        if (!budget_->relative)
+            hostBudgetMs_[warm].assign(stage_.path.frames, budget_->value);
+        else
+            hostBudgetMs_[warm] = budgetsOver(standingOf(rows_, warm, quality_, {}, 0).equal, budget_->value);
+    }
+    if (!hostBudgetMs_[0].empty()) return;
+    notes_.push_back("the budget of " + options_.budget + ": no fixed choice is of equal quality");
+    budget_.reset();
 }
 
 /// Whether its further runs can change who is the best fixed choice of equal quality.
@@ -226,6 +245,13 @@ void Contest::runOnce(const Contestant& contestant)
             row->runs.back().shadowMs.push_back(shadows.ms(number));
 }
 
+/// What the host gives a frame; 0: nothing.
+float Contest::budgetMs(const Row& row, uint32_t frame) const
+{
+    const std::span<const double> budgets = hostBudgetMs(row.warm);
+    return row.adaptive && frame < budgets.size() && budgets[frame] > 0.0 ? static_cast<float>(budgets[frame]) : 0.0f;
+}
+
 /// \return numbers of its frames, by the runtime's count
 std::vector<uint64_t> Contest::pass(Session& session, Row& row, ShadowTimes& shadows)
 {
@@ -237,7 +263,7 @@ std::vector<uint64_t> Contest::pass(Session& session, Row& row, ShadowTimes& sha
         run.sentinelMs.push_back(sentinel_->run());
         (void)others_.look();
         const Clock::time_point start = Clock::now();
-        drawFrame(session, stage_, frame);
+        drawFrame(session, stage_, frame, budgetMs(row, frame));
         run.frameMs.push_back(std::chrono::duration<double, std::milli>(Clock::now() - start).count());
         run.othersMs.push_back(others_.look());
         const GnFrameStats stats = session.shadows.stats();

@@ -2,12 +2,15 @@
 // The runs behind `gnomon compare`: adaptive ones and fixed choices in turns, each from a fresh context.
 #include <limits>
 #include <memory>
+#include <optional>
+#include <span>
 
 #include "demo/compare/stage.hpp"
 #include "demo/compare/trial.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/other_work.hpp"
 #include "demo/program/shadow_times.hpp"
+#include "demo/replay/budget.hpp"
 
 namespace gnomon::demo {
 
@@ -34,6 +37,10 @@ public:
     const Scene& scene() const { return scene_; }
     const Stage& stage() const { return stage_; }
     const EqualQuality& quality() const { return quality_; }
+    /// What the host gives the adaptive runs for each frame, ms; NaN: none. Empty: none for all.
+    std::span<const double> hostBudgetMs(bool warm) const { return hostBudgetMs_[warm]; }
+    /// Above 0: it gives so many times the cheapest fixed choice of equal quality.
+    double budgetFactor() const { return budget_ && budget_->relative ? budget_->value : 0.0; }
     /// Of what was tried and not run, in words.
     const std::vector<std::string>& notes() const { return notes_; }
     /// The cold row of each contestant, the adaptive ones first, and behind it its warm one where there is one.
@@ -56,6 +63,8 @@ private:
     void runOnce(const Contestant& contestant);
     std::vector<uint64_t> pass(Session& session, Row& row, ShadowTimes& shadows);
     void noteServices(const Session& session);
+    void setBudgets();
+    float budgetMs(const Row& row, uint32_t frame) const;
     bool worthRepeating(const Contestant& contestant) const;
 
     CompareOptions options_;
@@ -63,6 +72,8 @@ private:
     std::unique_ptr<Device> device_;
     Stage stage_;
     EqualQuality quality_;
+    std::optional<BudgetPart> budget_;
+    std::array<std::vector<double>, 2> hostBudgetMs_; ///< Cold and warm.
     std::vector<TriedMethod> methods_;
     Truths truths_;
     std::vector<std::string> notes_;

@@ -53,7 +53,7 @@ void appendTable(CsvWriter& csv, const Contest& contest, std::string command)
 
 void plotFrames(const Contest& contest, const std::string& out)
 {
-    const Standing standing = standingOf(contest.rows(), false, contest.quality(), 0.0, 0);
+    const Standing standing = standingOf(contest.rows(), false, contest.quality(), {}, 0);
     const std::string settings = "set title " + gnuplotText(contest.scene().name) +
                                  "\nset xlabel 'frame'\nset ylabel 'ms'\nset yrange [0:]\nset grid\n"
                                  "set key outside top center horizontal maxcols 3\n";

@@ -7,6 +7,7 @@
 
 #include "demo/compare/standing.hpp"
 #include "demo/program/envelope.hpp"
+#include "runtime/select/auto_budget.hpp"
 
 namespace gnomon::demo {
 namespace {
@@ -101,14 +102,16 @@ void printQuotient(const char* what, const Quotient& quotient, double bound)
                 bound, verdictText(quotient, bound).c_str());
 }
 
-void printOver(const Row& adaptive, const Standing& standing)
+/// @return per cent, of no runs without a budget
+Quotient printOver(const Row& adaptive, const Standing& standing)
 {
     const OverBudget over = overBudget(adaptive, standing);
-    if (over.percents.empty()) return;
+    if (over.percents.empty()) return {};
     const Quotient spread = spreadOf(over.percents);
     std::printf("  %-24s %.2f %% of %u frames (%.2f to %.2f), worst %.2f x, bound %.0f %%: %s\n", "frames over budget",
                 spread.median, over.frames.counted, spread.least, spread.most, over.frames.worst,
                 standing.bounds.overBudget, verdictText(spread, standing.bounds.overBudget).c_str());
+    return spread;
 }
 
 /// What could be had frame by frame, as far as the choices of equal quality go.
@@ -152,7 +155,7 @@ ScenePart printAgainst(const Row& adaptive, const Standing& standing, const Cont
     const Row* best = bestFixed(standing.equal);
     if (!best) {
         std::printf("no fixed choice is of equal quality\n");
-        printOver(adaptive, standing);
+        part.over = printOver(adaptive, standing);
         printOwnBudget(adaptive, standing);
         return part;
     }
@@ -173,7 +176,7 @@ ScenePart printAgainst(const Row& adaptive, const Standing& standing, const Cont
     if (const std::string why = disagreement(adaptive, *best, raw.worstFrame, normal.worstFrame, bounds.worstFrame);
         !why.empty())
         std::printf("    %s\n", why.c_str());
-    printOver(adaptive, standing);
+    part.over = printOver(adaptive, standing);
     printOwnBudget(adaptive, standing);
     printEnvelope(adaptive, standing);
     part.best = best->name;
@@ -186,7 +189,7 @@ std::vector<Standing> standingsOf(const Contest& contest)
 {
     std::vector<Standing> standings;
     for (const bool warm : {false, true}) {
-        Standing standing = standingOf(contest.rows(), warm, contest.quality(), double(contest.stage().budgetMs),
+        Standing standing = standingOf(contest.rows(), warm, contest.quality(), contest.hostBudgetMs(warm),
                                        contest.stage().path.afterFirstSecond());
         if (!standing.adaptive.empty()) standings.push_back(std::move(standing));
     }
@@ -200,8 +203,11 @@ std::vector<ScenePart> printReport(const Contest& contest)
     const std::vector<Standing> standings = standingsOf(contest);
     printHead(contest, contest.rows().front().runs.size());
     printTable(contest, standings);
-    if (contest.stage().budgetMs == 0.0f)
-        std::printf("over %%: of a budget of 1.3 times the cheapest fixed choice of equal quality in each frame\n");
+    constexpr const char* kCheapest = "times the cheapest fixed choice of equal quality in each frame";
+    if (const double factor = contest.budgetFactor(); factor > 0.0)
+        std::printf("over %%: of the budget that the host gave, %g %s of its first run\n", factor, kCheapest);
+    else if (contest.hostBudgetMs(false).empty())
+        std::printf("over %%: of a budget of %g %s\n", AutoBudget::kFactor, kCheapest);
     std::vector<ScenePart> parts;
     for (const Standing& standing : standings)
         for (const Row* adaptive : standing.adaptive)
@@ -247,10 +253,13 @@ void printSummary(const std::vector<ScenePart>& parts)
     for (const ScenePart& part : parts) {
         if (part.best.empty()) continue;
         const Bounds& bounds = part.warm ? kWarmBounds : kColdBounds;
-        std::printf("%s, %s, %s: total %.3f (%s), worst frame %.3f (%s), against %s\n", part.scene.c_str(),
-                    part.adaptive.c_str(), passOf(part.warm), part.total.median,
-                    verdictText(part.total, bounds.total).c_str(), part.worstFrame.median,
-                    verdictText(part.worstFrame, bounds.worstFrame).c_str(), part.best.c_str());
+        std::printf("%s, %s, %s: total %.3f (%s), worst frame %.3f (%s)", part.scene.c_str(), part.adaptive.c_str(),
+                    passOf(part.warm), part.total.median, verdictText(part.total, bounds.total).c_str(),
+                    part.worstFrame.median, verdictText(part.worstFrame, bounds.worstFrame).c_str());
+        if (part.over.count > 0)
+            std::printf(", over the budget %.2f %% (%s)", part.over.median,
+                        verdictText(part.over, bounds.overBudget).c_str());
+        std::printf(", against %s\n", part.best.c_str());
         if (!part.warm || part.adaptive != parts.front().adaptive) continue;
         ++warm;
         faster += part.total.median * kClearlyFaster <= 1.0;

@@ -12,6 +12,7 @@ struct ScenePart {
     std::string scene, adaptive, best; ///< `best`: the best fixed choice of equal quality; empty: there is none.
     bool warm = false;
     Quotient total, worstFrame;
+    Quotient over; ///< Frames over the budget in per cent; of no runs: there is none.
 };
 
 /// The table of all rows, and each adaptive run against the best fixed choice of equal quality.

@@ -116,6 +116,14 @@ std::vector<double> cheapestShadows(std::span<const Row* const> rows)
     return least;
 }
 
+std::vector<double> budgetsOver(std::span<const Row* const> rows, double factor)
+{
+    std::vector<double> budgets = cheapestShadows(rows);
+    for (double& ms : budgets)
+        ms *= factor;
+    return budgets;
+}
+
 BudgetCount countOver(const RunRecord& run, std::span<const double> budgetMs, size_t first)
 {
     BudgetCount out;

@@ -50,6 +50,8 @@ double medianSentinel(std::span<const Row> rows);
 /// Of each frame: the least of the rows' shadow times, of which each is the median of its runs, smoothed over nine
 /// frames. NaN where no row knows one.
 std::vector<double> cheapestShadows(std::span<const Row* const> rows);
+/// Those times a factor.
+std::vector<double> budgetsOver(std::span<const Row* const> rows, double factor);
 
 struct BudgetCount {
     uint32_t counted = 0, over = 0;

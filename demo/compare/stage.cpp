@@ -9,7 +9,7 @@ constexpr uint32_t kTruthFrames = 12;
 
 } // namespace
 
-void drawFrame(Session& session, const Stage& stage, uint32_t frame, GnFrameFlags flags)
+void drawFrame(Session& session, const Stage& stage, uint32_t frame, float budgetMs, GnFrameFlags flags)
 {
     const double time = stage.path.time(frame);
     const CameraState camera = cameraAt(stage.scene, time);
@@ -17,7 +17,7 @@ void drawFrame(Session& session, const Stage& stage, uint32_t frame, GnFrameFlag
                            .cameras = {&camera, 1},
                            .shadows = &session.shadows,
                            .recorded = stage.recorded,
-                           .budgetMs = stage.budgetMs,
+                           .budgetMs = budgetMs,
                            .flags = flags,
                            .cameraCut = stage.path.cut(frame)});
     session.renderer.waitForFrame();

@@ -19,12 +19,11 @@ struct Stage {
     VkExtent2D size{};
     ComparePath path;
     bool recorded = false; ///< gnCmdRenderShadows, else gnSubmitShadows.
-    float budgetMs = 0.0f; ///< 0: the host gives none.
     RuleText rules;        ///< For maps that follow screen coverage: without rules no receivers are measured.
 };
 
-/// Draws a frame of the path and waits for it.
-void drawFrame(Session& session, const Stage& stage, uint32_t frame, GnFrameFlags flags = 0);
+/// Draws a frame of the path and waits for it. \param budgetMs 0: the host gives none
+void drawFrame(Session& session, const Stage& stage, uint32_t frame, float budgetMs = 0.0f, GnFrameFlags flags = 0);
 
 /// Frames in which errors are counted, evenly over the path.
 std::vector<uint32_t> truthFrames(const ComparePath& path);

@@ -6,19 +6,18 @@
 
 namespace gnomon::demo {
 
-Standing standingOf(const std::vector<Row>& rows, bool warm, const EqualQuality& quality, double hostBudgetMs,
-                    size_t firstCounted)
+Standing standingOf(const std::vector<Row>& rows, bool warm, const EqualQuality& quality,
+                    std::span<const double> hostBudgetMs, size_t firstCounted)
 {
     Standing standing{.warm = warm,
                       .bounds = warm ? kWarmBounds : kColdBounds,
                       .firstCounted = warm ? 0 : firstCounted,
                       .sentinelMs = medianSentinel(rows)};
-    size_t most = 0, frames = 0;
+    size_t most = 0;
     for (const Row& row : rows) {
         if (row.warm != warm || row.runs.empty()) continue;
         (row.adaptive ? standing.adaptive : standing.fixed).push_back(&row);
         most = std::max(most, row.runs.size());
-        frames = row.runs.front().frameMs.size();
     }
     const auto median = [](const Row& row) {
         std::vector<double> totals;
@@ -30,13 +29,10 @@ Standing standingOf(const std::vector<Row>& rows, bool warm, const EqualQuality&
                      [&](const Row* a, const Row* b) { return median(*a) < median(*b); });
     std::copy_if(standing.fixed.begin(), standing.fixed.end(), std::back_inserter(standing.equal),
                  [&](const Row* row) { return row->runs.size() == most && quality.holds(row->errors); });
-    if (hostBudgetMs > 0.0) {
-        standing.budgetMs.assign(frames, hostBudgetMs);
-        return standing;
-    }
-    standing.budgetMs = cheapestShadows(standing.equal);
-    for (double& ms : standing.budgetMs)
-        ms *= AutoBudget::kFactor;
+    if (!hostBudgetMs.empty())
+        standing.budgetMs.assign(hostBudgetMs.begin(), hostBudgetMs.end());
+    else
+        standing.budgetMs = budgetsOver(standing.equal, AutoBudget::kFactor);
     return standing;
 }
 

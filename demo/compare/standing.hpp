@@ -17,10 +17,10 @@ struct Standing {
     double sentinelMs = 0.0;       ///< Median of all rows.
 };
 
-/// \param hostBudgetMs 0: the budget of a frame is 1.3 times the cheapest fixed choice of equal quality in it
+/// \param hostBudgetMs of each frame; empty: 1.3 times the cheapest fixed choice of equal quality in it
 /// \param firstCounted of a cold pass; a warm one counts from its beginning
-Standing standingOf(const std::vector<Row>& rows, bool warm, const EqualQuality& quality, double hostBudgetMs,
-                    size_t firstCounted);
+Standing standingOf(const std::vector<Row>& rows, bool warm, const EqualQuality& quality,
+                    std::span<const double> hostBudgetMs, size_t firstCounted);
 
 /// Frames over the budget, over all runs, and of each run in per cent.
 struct OverBudget {

@@ -37,7 +37,7 @@ bool timeFrames(Session& session, const Stage& stage, uint32_t last, const std::
 {
     std::vector<double> least(times.size(), std::numeric_limits<double>::infinity());
     for (uint32_t before = kFrames; before-- > 0;) {
-        drawFrame(session, stage, last > before ? last - before : 0, GN_FRAME_TIMED_BIT);
+        drawFrame(session, stage, last > before ? last - before : 0, 0.0f, GN_FRAME_TIMED_BIT);
         if (before < 2 && !noteTimes(session, method, least)) return false;
     }
     for (size_t light = 0; light < times.size(); ++light)

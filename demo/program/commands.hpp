@@ -78,9 +78,9 @@ struct CompareOptions {
     uint32_t lights = 0;             ///< 0: the scene's.
     uint32_t stride = 1;             ///< Every so many of the scene's frames.
     uint32_t alternations = 3;
-    float budgetMs = 0.0f; ///< 0: the host gives none.
-    bool warm = false;     ///< A second time over the path with the same contexts.
-    std::string command;   ///< As it was typed; for the table.
+    bool warm = false;   ///< A second time over the path with the same contexts.
+    std::string budget;  ///< One part of parseBudgets(); empty: the host gives none.
+    std::string command; ///< As it was typed; for the table.
 };
 int compareCommand(const CompareOptions& options);
 

@@ -309,12 +309,17 @@ TEST_CASE("what can be known before measuring is said before a device is looked 
                           ran.output);
         }
     for (const char* number : {"0", "-0", "nan", "inf", "-1", "1e7", "1e-60", "1,5"})
-        for (const char* command : {"run room --budget-ms=", "run room --budget=", "compare room --budget-ms=",
-                                    "compare room --budget=", "compare room --seconds="}) {
+        for (const char* command : {"run room --budget-ms=", "run room --budget=", "compare room --seconds="}) {
             const Ran ran = gnomonProgram(std::string(command) + number, before);
             CHECK_MESSAGE(ran.exitCode > 1, command, number);
             CHECK_MESSAGE(ran.output.find(number + std::string("' is no number above 0, up to ")) != std::string::npos,
                           ran.output);
+        }
+    for (const char* number : {"0", "-0", "nan", "inf", "-1x", "1e7", "1e-60", "1,5", "1.3x,2x", "x"})
+        for (const char* option : {"compare room --budget-ms=", "compare room --budget="}) {
+            const Ran ran = gnomonProgram(option + std::string("'") + number + "'", before);
+            CHECK_MESSAGE(ran.exitCode > 1, option, number);
+            CHECK_MESSAGE(ran.output.find(number + std::string(": no ")) != std::string::npos, ran.output);
         }
     CHECK(gnomonProgram("compare room --entry both", before).exitCode > 1);
     for (const char* nothing : {"compare room --rules ,", "compare room --methods ' , '", "bench room --methods ''",

@@ -351,9 +351,13 @@ TEST_CASE("compare by the recorded entry point leaves out what needs the CPU bet
     const std::string scene = std::string(GNOMON_TEST_SCENES) + "/yard.yaml";
     const Ran ran = gnomonProgram("compare torus_grid '" + scene +
                                   "' --entry recorded --methods ray_traced,stencil_volume "
-                                  "--size 96x64 --seconds 0.1 --stride 2 --alternations 1 --budget 1000 --lights 2");
+                                  "--size 96x64 --seconds 0.1 --stride 2 --alternations 1 --budget 1.3x --warm "
+                                  "--lights 2");
     CAPTURE(ran.output);
     REQUIRE(ran.exitCode == 0);
+    CHECK(ran.output.find("of the budget that the host gave, 1.3 times the cheapest fixed choice of equal quality") !=
+          std::string::npos);
+    CHECK(ran.output.find("own budget") != std::string::npos); // it has reached the runtime
     CHECK(ran.output.find("gnCmdRenderShadows, 3 frames") != std::string::npos);
     CHECK(ran.output.find("left out: ray_traced: needs the CPU between its passes and cannot be recorded") !=
           std::string::npos);

@@ -220,15 +220,15 @@ TEST_CASE("the best fixed choice is the fastest of equal quality that ran in all
                           rowOf("once", {6.0}), rowOf("volume", {9.5, 11.5})};
     rows[0].adaptive = true;
     rows[2].errors = errorsOf(201, 0);
-    const Standing standing = standingOf(rows, false, kQuality, 0.0, 0);
+    const Standing standing = standingOf(rows, false, kQuality, {}, 0);
     REQUIRE(standing.adaptive.size() == 1);
     CHECK(standing.fixed.size() == 4);
     CHECK(standing.fixed.front()->name == "wrong");
     REQUIRE(standing.equal.size() == 2);
     CHECK(bestFixed(standing.equal)->name == "rays");
-    CHECK(standingOf(rows, true, kQuality, 0.0, 0).fixed.empty());
+    CHECK(standingOf(rows, true, kQuality, {}, 0).fixed.empty());
     rows[4].runs[1].sentinelMs.assign(20, 2.0); // it was the machine that was slow
-    CHECK(bestFixed(standingOf(rows, false, kQuality, 0.0, 0).equal, 1.0)->name == "volume");
+    CHECK(bestFixed(standingOf(rows, false, kQuality, {}, 0).equal, 1.0)->name == "volume");
     CHECK(bestFixed({}) == nullptr);
 }
 
@@ -240,16 +240,29 @@ TEST_CASE("the budget is 1.3 times the cheapest fixed choice of equal quality in
         rows[1].runs[0].shadowMs[i] = 50.0;
         rows[2].runs[0].shadowMs[i] = 4.0;
     }
-    const Standing standing = standingOf(rows, false, kQuality, 0.0, 5);
+    const Standing standing = standingOf(rows, false, kQuality, {}, 5);
     CHECK(standing.budgetMs.front() == doctest::Approx(1.3 * 5.0));
     CHECK(standing.budgetMs.back() == doctest::Approx(1.3 * 4.0));
     const OverBudget over = overBudget(rows[0], standing); // 7 ms: over both
     CHECK(over.frames.counted == 15);
     CHECK(over.frames.over == 15);
     CHECK(over.frames.worst == doctest::Approx(7.0 / (1.3 * 4.0)));
-    CHECK(overBudget(rows[0], standingOf(rows, false, kQuality, 7.0, 5)).frames.over == 0);
+    CHECK(overBudget(rows[0], standingOf(rows, false, kQuality, std::vector(20, 7.0), 5)).frames.over == 0);
     rows[1].errors = rows[2].errors = errorsOf(9999, 0);
-    CHECK(overBudget(rows[0], standingOf(rows, false, kQuality, 0.0, 5)).percents.empty());
+    CHECK(overBudget(rows[0], standingOf(rows, false, kQuality, {}, 5)).percents.empty());
+}
+
+TEST_CASE("budgets over the cheapest choice follow it frame by frame, and there are none without a choice")
+{
+    std::vector<Row> rows{rowOf("rays", {10.0, 14.0, 12.0}), rowOf("volume", {20.0})}; // shadows: 6 ms, 10 ms
+    for (size_t i = 10; i < 20; ++i)
+        rows[1].runs[0].shadowMs[i] = 2.0;
+    const std::array<const Row*, 2> both{&rows[0], &rows[1]};
+    const std::vector<double> budgets = budgetsOver(both, 1.5);
+    REQUIRE(budgets.size() == 20);
+    CHECK(budgets.front() == doctest::Approx(1.5 * 6.0));
+    CHECK(budgets.back() == doctest::Approx(1.5 * 2.0));
+    CHECK(budgetsOver({}, 1.5).empty());
 }
 
 TEST_CASE("frames that were disturbed or whose time is not known count for no budget")
