@@ -221,6 +221,7 @@ void Engine::defuzzify(Inference& out) const noexcept
     }
     const std::size_t terms = compiled_.suitabilityTerms;
     for (std::size_t i = 0; i < out.outputs.size(); ++i) {
+        if (out.outputs[i].strongestStrength == 0.0) continue; // no rule speaks about it, as OutputState{} says
         const Centroid centroid = centroidOf(std::span(out.termStrength).subspan(i * terms, terms));
         OutputState& output = out.outputs[i];
         output.hasOpinion = centroid.hasOpinion;
