@@ -58,6 +58,8 @@ uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const 
     const auto isEmpty = [](const Tracks& tracks) {
         return std::all_of(tracks.begin(), tracks.end(), [](const TrackCost& track) { return track.samples == 0; });
     };
+    // What a GPU and other cores took says nothing of what the same cores take for both.
+    model.setSharedCores(model.sharedCores() && device.kind == "software");
     uint32_t measured = 0;
     for (auto m = firstMethod; m < methods.size(); ++m) {
         if (const AlgorithmCost* known = device.find(methods[m].algorithm); known && known->isTimed()) {

@@ -174,7 +174,7 @@ FramePlan::Taught FramePlan::teach(cost::KnowledgeBase base, const Device& devic
     const cost::DeviceKnowledge* nearest = base.nearestTo(device.name, device.kind);
     if (!nearest) return {};
     cost::CostModel fresh;
-    fresh.setSharedCores(model_.sharedCores());
+    fresh.setSharedCores(sharedCores_);
     fresh.resize(methods_.size(), slots_);
     Taught taught{.methods = cost::teach(fresh, *nearest, algorithms()),
                   .device = nearest->device,

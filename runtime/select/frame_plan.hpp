@@ -31,7 +31,10 @@ struct TimedLight {
 
 class FramePlan {
 public:
-    FramePlan(const MethodTable& methods, bool sharedCores) : methods_(methods) { model_.setSharedCores(sharedCores); }
+    FramePlan(const MethodTable& methods, bool sharedCores) : methods_(methods), sharedCores_(sharedCores)
+    {
+        model_.setSharedCores(sharedCores);
+    }
 
     void begin();
     /// One light of one view; both references live until decide() is done.
@@ -133,6 +136,7 @@ private:
         cost::Workload predictedFor;
     };
     const MethodTable& methods_;
+    const bool sharedCores_; ///< Of this device.
     cost::CostModel model_;
     plan::PlanStep plan_;
     plan::Probe probe_;

@@ -279,6 +279,36 @@ TEST_CASE("a GPU of its own has its own factor: the cores beside it are not thou
     CHECK(model.predict(0, 0, w, true).ms == doctest::Approx(2.2).epsilon(0.02)); // no update
 }
 
+TEST_CASE("a software device that starts from a GPU's base learns a factor for either's work, not one for both")
+{
+    DeviceKnowledge device{.device = "gpu", .driver = {}, .kind = "discrete"};
+    const auto add = [&](const char* name, Processor on) {
+        AlgorithmCost cost{.algorithm = name, .tracks = {}};
+        cost.tracks[trackOf(Pass::resolve, on)] = {.ms = {1.0}, .octaves = 0.2, .samples = 9};
+        device.algorithms.push_back(cost);
+    };
+    add("map", Processor::gpu), add("rays", Processor::cpu), add("volume", Processor::gpu);
+    const Workload w{.pixels = 1e6};
+    // What is expected of a method that nobody has timed, after frames with the two others.
+    const auto expected = [&](const char* kind) {
+        device.kind = kind;
+        CostModel model;
+        model.setSharedCores(true);
+        model.resize(3, 2);
+        CHECK(teach(model, device, std::vector<TaughtMethod>{{"map"}, {"rays"}, {"volume"}}) == 3);
+        model.setKinship(Kinship::foreign);
+        for (int frame = 0; frame < 10; ++frame) {
+            model.observe({.light = 0, .method = 0, .workload = w, .gpuMs = 20.0});
+            model.observe({.light = 1, .method = 1, .workload = w, .cpuMs = 1.5});
+            model.endFrame();
+        }
+        CHECK(model.predict(1, 1, w, false).ms == doctest::Approx(1.5).epsilon(0.05));
+        return model.predict(0, 2, w, false).ms;
+    };
+    CHECK(expected("discrete") == doctest::Approx(20.0).epsilon(0.15));
+    CHECK(expected("software") < 10.0); // its GPU is those cores, too: one factor, in between
+}
+
 TEST_CASE("a method that was not measured costs as much as the dearest of its kind")
 {
     DeviceKnowledge device;
