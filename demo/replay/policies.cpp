@@ -14,21 +14,31 @@ namespace {
 
 using plan::kNone;
 
-cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t method)
+/// All methods in some of a trace's places.
+Samples samplesOf(const Trace& from)
 {
-    return {.pixels = double{light.pixels},
-            .casterTriangles = double{light.casterTriangles},
-            .mapTexels = double{trace.mapTexels[method]} * (light.point ? 6.0 : 1.0), // the faces of a cube
-            .sharing = double{light.sharing},
-            .still = light.still,
-            .drawnTriangles = double{light.drawnTriangles},
-            .casters = double{light.casters},
-            .directional = light.directional,
-            .point = light.point,
-            .drawnPixels = double{light.drawnPixels},
-            .viewPixels = double{light.viewPixels},
-            .shadowPixels = trace.drawsVolumes[method] ? double{light.shadowPixels} : 0.0,
-            .treeLevels = trace.tracesPixels[method] ? double{light.treeLevels} : 0.0};
+    constexpr uint32_t kPlaces = 40;
+    std::vector<size_t> present;
+    for (size_t i = 0; i < from.lightStates.size(); ++i)
+        if (from.lightStates[i].present) present.push_back(i);
+    Samples samples;
+    for (uint32_t place = 0; place < kPlaces && !present.empty(); ++place) {
+        // Steps of the golden ratio: spread evenly whatever the number of lights (Weyl).
+        const double share = place * 0.6180339887498949;
+        const size_t cell =
+            present[static_cast<size_t>((share - static_cast<uint32_t>(share)) * static_cast<double>(present.size()))];
+        for (uint32_t m = 0; m < from.methods.size(); ++m) {
+            const TraceMethod& measured = from.measures[cell * from.methods.size() + m];
+            Sample sample{.algorithm = from.methods[m], .workload = workloadOf(from, from.lightStates[cell], m)};
+            sample.pass = cost::Pass::update;
+            sample.gpuMsMin = double{measured.updateGpuMs}, sample.cpuMsMin = double{measured.updateCpuMs};
+            samples.rows.push_back(sample);
+            sample.pass = cost::Pass::resolve;
+            sample.gpuMsMin = double{measured.resolveGpuMs}, sample.cpuMsMin = double{measured.resolveCpuMs};
+            samples.rows.push_back(sample);
+        }
+    }
+    return samples;
 }
 
 class PlanPolicy : public ReplayPolicy {
@@ -41,10 +51,7 @@ public:
         plan_.reserve(trace.lights, methods_);
         memories_.resize(trace.lights);
         ages_.resize(trace.lights);
-        if (options.knowledge)
-            teach(*options.knowledge, trace.methods);
-        else if (calibration)
-            calibrate(*calibration, trace.methods);
+        teach(knownAtFirst(options, calibration), trace.methods);
     }
     std::string name() const override { return foreign_ ? "plan_foreign" : "plan"; }
 
@@ -105,45 +112,14 @@ public:
     }
 
 private:
-    void teach(cost::DeviceKnowledge knowledge, const std::vector<std::string>& names)
+    void teach(const cost::DeviceKnowledge& knowledge, const std::vector<std::string>& names)
     {
-        constexpr double kFactor = 1.0 / 20.0, kOdd = 1.6;
-        for (size_t i = 0; foreign_ && i < knowledge.algorithms.size(); ++i)
-            for (cost::TrackCost& track : knowledge.algorithms[i].tracks)
-                for (double& ms : track.ms)
-                    ms *= i % 2 ? kFactor * kOdd : kFactor / kOdd;
+        if (knowledge.algorithms.empty()) return;
         std::vector<cost::TaughtMethod> methods;
         for (const std::string& name : names)
             methods.push_back({name});
         cost::teach(model_, knowledge, methods);
         model_.setKinship(foreign_ ? cost::Kinship::foreign : cost::Kinship::same);
-    }
-
-    /// Fits the other trace's measurements of all methods in some of its places.
-    void calibrate(const Trace& from, const std::vector<std::string>& names)
-    {
-        constexpr uint32_t kPlaces = 40;
-        std::vector<size_t> present;
-        for (size_t i = 0; i < from.lightStates.size(); ++i)
-            if (from.lightStates[i].present) present.push_back(i);
-        Samples samples;
-        for (uint32_t place = 0; place < kPlaces && !present.empty(); ++place) {
-            // Steps of the golden ratio: spread evenly whatever the number of lights (Weyl).
-            const double share = place * 0.6180339887498949;
-            const size_t cell = present[static_cast<size_t>((share - static_cast<uint32_t>(share)) *
-                                                            static_cast<double>(present.size()))];
-            for (uint32_t m = 0; m < from.methods.size(); ++m) {
-                const TraceMethod& measured = from.measures[cell * from.methods.size() + m];
-                Sample sample{.algorithm = from.methods[m], .workload = workloadOf(from, from.lightStates[cell], m)};
-                sample.pass = cost::Pass::update;
-                sample.gpuMsMin = double{measured.updateGpuMs}, sample.cpuMsMin = double{measured.updateCpuMs};
-                samples.rows.push_back(sample);
-                sample.pass = cost::Pass::resolve;
-                sample.gpuMsMin = double{measured.resolveGpuMs}, sample.cpuMsMin = double{measured.resolveCpuMs};
-                samples.rows.push_back(sample);
-            }
-        }
-        teach(fitKnowledge(samples, "software"), names);
     }
 
     /// Without a plan: the incumbent on ties, then registry order.
@@ -248,6 +224,38 @@ private:
 };
 
 } // namespace
+
+cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t method)
+{
+    return {.pixels = double{light.pixels},
+            .casterTriangles = double{light.casterTriangles},
+            .mapTexels = double{trace.mapTexels[method]} * (light.point ? 6.0 : 1.0), // the faces of a cube
+            .sharing = double{light.sharing},
+            .still = light.still,
+            .drawnTriangles = double{light.drawnTriangles},
+            .casters = double{light.casters},
+            .directional = light.directional,
+            .point = light.point,
+            .drawnPixels = double{light.drawnPixels},
+            .viewPixels = double{light.viewPixels},
+            .shadowPixels = trace.drawsVolumes[method] ? double{light.shadowPixels} : 0.0,
+            .treeLevels = trace.tracesPixels[method] ? double{light.treeLevels} : 0.0};
+}
+
+cost::DeviceKnowledge knownAtFirst(const ReplayOptions& options, const Trace* calibration)
+{
+    cost::DeviceKnowledge knowledge;
+    if (options.knowledge)
+        knowledge = *options.knowledge;
+    else if (calibration)
+        knowledge = fitKnowledge(samplesOf(*calibration), "software");
+    constexpr double kFactor = 1.0 / 20.0, kOdd = 1.6;
+    for (size_t i = 0; options.foreign && i < knowledge.algorithms.size(); ++i)
+        for (cost::TrackCost& track : knowledge.algorithms[i].tracks)
+            for (double& ms : track.ms)
+                ms *= i % 2 ? kFactor * kOdd : kFactor / kOdd;
+    return knowledge;
+}
 
 double valueOf(const Trace& trace, uint32_t frame, uint32_t slot, uint32_t method) noexcept
 {

@@ -56,9 +56,12 @@ public:
     virtual void observe(const Trace&, uint32_t /*frame*/, std::span<const Timing>) {}
 };
 
-/// The plan step with the cost model, as the runtime has them. The model starts from the knowledge base of the options,
-/// or is calibrated from 40 places of `calibration`, a trace of the same methods in other situations; null: it starts
-/// cold.
+/// What a method of a light had to do in a recorded frame.
+cost::Workload workloadOf(const Trace& trace, const TraceLight& light, uint32_t method);
+/// The knowledge that a policy starts from: the options' base, else what 40 places of `calibration`, a trace of the
+/// same methods in other situations, show; neither: nothing. As another device's where the options say foreign.
+cost::DeviceKnowledge knownAtFirst(const ReplayOptions& options, const Trace* calibration);
+/// The plan step with the cost model, as the runtime has them. The model starts from knownAtFirst().
 std::unique_ptr<ReplayPolicy> planPolicy(const Trace& trace, const ReplayOptions& options, const Trace* calibration);
 /// The same method for every light that can have it.
 std::unique_ptr<ReplayPolicy> fixedPolicy(uint32_t method);
