@@ -34,11 +34,11 @@ void PlanStep::reserve(uint32_t lights, uint32_t methods)
 }
 
 /// One standard error of the sum, lights taken as independent; at least the policy's share, at most kMostHeadroom.
-double PlanStep::headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept
+double PlanStep::headroomMs(const PlanInput& input, double& errorMs) const noexcept
 {
     double variance = 0.0;
     for (uint32_t light = 0; light < lightCount_; ++light) {
-        uint32_t m = chosen[light];
+        uint32_t m = current_[light];
         if (m == kNone && !allowed_[light].empty()) m = *allowed_[light].begin();
         if (m == kNone) continue;
         const double sigma = input.candidates[at(light, m)].sigmaMs;
@@ -118,17 +118,9 @@ void PlanStep::move(uint32_t light, uint32_t to) noexcept
 double PlanStep::findTarget(const PlanInput& input, double headroom, PlanReport& report) noexcept
 {
     const auto target = std::span(target_).first(lightCount_);
-    const bool fresh = isFresh(input);
-    double limitMs = 0.0;
-    for (int round = 0; round < 2; ++round) {
-        report.usableMs = input.budgetMs - headroom;
-        limitMs = report.feasible ? std::max(report.usableMs, report.cheapestMs) : report.usableMs;
-        greedy_.solve(limitMs, partsInUse(), input.frame, fresh ? greedy_.partSets() : 1, target);
-        // Methods that the lights have not shown yet are less sure than the incumbents: again with their own headroom.
-        double errorMs = 0.0;
-        headroom = headroomMs(input, target, errorMs);
-        if (sumOf(target).ms <= std::max(limitMs, input.budgetMs - headroom)) break;
-    }
+    report.usableMs = input.budgetMs - headroom;
+    const double limitMs = report.feasible ? std::max(report.usableMs, report.cheapestMs) : report.usableMs;
+    greedy_.solve(limitMs, partsInUse(), input.frame, isFresh(input) ? greedy_.partSets() : 1, target);
     return limitMs;
 }
 
@@ -246,7 +238,7 @@ double PlanStep::waitForTrials(const PlanInput& input, double headroom, double l
 void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noexcept
 {
     const auto current = std::span(current_).first(lightCount_), target = std::span(target_).first(lightCount_);
-    const double headroom = headroomMs(input, current, report.standardErrorMs);
+    const double headroom = headroomMs(input, report.standardErrorMs);
     const double mostMs = std::max(input.budgetMs - (1.0 - kKeepShare) * headroom, report.cheapestMs);
     double limitMs = findTarget(input, headroom, report);
     limitMs = waitForTrials(input, headroom, limitMs, !report.feasible || sumOf(current).ms > mostMs, report);

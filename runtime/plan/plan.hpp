@@ -213,7 +213,7 @@ private:
     void takeTarget() noexcept;
     uint32_t partsInUse() const noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;
-    double headroomMs(const PlanInput& input, std::span<const uint32_t> chosen, double& errorMs) const noexcept;
+    double headroomMs(const PlanInput& input, double& errorMs) const noexcept;
     void remember(const PlanInput& input, PlanReport& report) noexcept;
     void explainLight(const PlanInput& input, uint32_t light, const PlanReport& report) noexcept;
 
