@@ -114,7 +114,7 @@ TEST_CASE("points of a flat disc cover it evenly, and none lies before or behind
         CHECK(std::abs(glm::dot(offset, light.direction())) < 1e-6f);
         CHECK(glm::length(offset) <= 0.4f + 1e-6f);
         square += double(glm::dot(offset, light.sourceX)) * double(glm::dot(offset, light.sourceX)) / 0.16 / 289.0;
-        const LightView corner = lightAt(light, pointAt(light, {1.0f, i / 289.0f}, i), 1.0f); // the rim
+        const LightView corner = lightAt(light, pointAt(light, {1.0f, float(i) / 289.0f}, i), 1.0f); // the rim
         CHECK(glm::distance(corner.position(), light.position()) == doctest::Approx(0.4));
     }
     CHECK(square == doctest::Approx(0.04).epsilon(0.03)); // R^2 / 4
