@@ -81,7 +81,8 @@ Result<GnResult> Context::runFrame(const GnFrameInfo& info, FrameMode mode, VkCo
     recordDecisions(frame_, chooseParts());
     if (Result<void> ok = openSlot(frame_, input_, info.completedFrame, isTimed(info), snapshot, submit); !ok)
         return ok.error();
-    learn(frame_, {*executor_, *plan_, history_, methods_->size()});
+    learn(frame_,
+          {executor_->newest(), executor_->newestTimed(), executor_->hasClock(), *plan_, history_, methods_->size()});
     if (!executor_->hasClock() && !std::exchange(saidNoClock_, true))
         messages_.warn("NoTimestamps",
                        "the queue has no timestamps, or they stand still or run backwards: GPU times are "

@@ -36,8 +36,7 @@ void chargeLight(const FrameTimings& timings, std::uint32_t view, std::uint32_t 
         if (method != methods[0]) methods[1] = method;
     }
     if (methods[0] == memory.incumbent) std::swap(methods[0], methods[1]); // who serves has the last word
-    // Without a clock the part that the GPU takes is not known.
-    const bool disturbed = parts.history.past.at(timings.frame).disturbed || !parts.executor.hasClock();
+    const bool disturbed = parts.history.past.at(timings.frame).disturbed || !parts.hasClock;
     for (const std::uint32_t method : methods) {
         if (method == UINT32_MAX) continue;
         const LightTiming light = timingOf(timings, view, id, method, parts.history.totals.scale());
@@ -88,14 +87,14 @@ void publish(GnFrameStats& stats, const FrameHistory& history, const FrameTiming
 void learn(Frame& frame, const LearnParts& parts)
 {
     FrameHistory& history = parts.history;
-    const FrameTimings* const timed = parts.executor.newestTimed();
-    history.totals.note(parts.executor.newest(), timed, history.past);
+    const FrameTimings* const timed = parts.newestTimed;
+    history.totals.note(parts.newest, timed, history.past);
     publish(frame.stats, history, timed);
     if (!timed || timed->frame <= history.learnedFrom) return;
     history.learnedFrom = timed->frame;
     history.totals.noteScale(*timed, history.past);
     chargeLights(*timed, frame, parts);
-    if (parts.executor.hasClock()) {
+    if (parts.hasClock) {
         history.shared.noteMixes(*timed, history.totals.scale());
         history.shared.note(*timed, history.past.at(timed->frame), history.totals.scale());
     }

@@ -9,7 +9,8 @@ void recordDecisions(const Frame& frame, const ChooseParts& parts);
 
 /// What learning takes.
 struct LearnParts {
-    const PassExecutor& executor;
+    const FrameTimings *newest, *newestTimed; ///< Of the executor; null: none yet.
+    bool hasClock;                            ///< Of the queue. Without, the part that the GPU takes is not known.
     FramePlan& plan;
     FrameHistory& history;
     std::uint32_t methods = 0; ///< How many there are.
