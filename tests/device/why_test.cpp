@@ -52,12 +52,12 @@ TEST_CASE_FIXTURE(DeviceTest, "why says that a method counts a rectangle as a di
         contains(text, "pcss counts the light's flat source as a sphere that covers the same area, 0.39 m in radius"),
         text);
     for (const char* method : {"ray_traced", "shadow_map"}) // shows it; has no penumbrae at all
-        CHECK_MESSAGE(!contains(why(method), "rectangle"), std::string(method));
+        CHECK_MESSAGE(!contains(why(method), "flat source"), std::string(method));
     lamp.rectangle = {};
     Host disc(scene);
     disc.pinAll("pcss");
     disc.require(disc.draw());
-    CHECK(!contains(ask(disc, {.kind = GN_QUESTION_WHY}), "rectangle"));
+    CHECK(!contains(ask(disc, {.kind = GN_QUESTION_WHY}), "flat source"));
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "all four questions are answered, for the newest frame and for one of 256")
