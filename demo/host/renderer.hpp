@@ -96,6 +96,17 @@ public:
     /// The newest frame's picture, in TRANSFER_SRC_OPTIMAL behind its commands; until the next resize() took effect.
     const Image& colour(uint32_t view = 0) const { return views_[view].images.colour; }
     VkDescriptorSetLayout frameSetLayout() const noexcept { return frameLayout_.get(); }
+    VkDescriptorSetLayout imageSetLayout() const noexcept { return imageLayout_.get(); }
+    struct NewestSets {
+        VkDescriptorSet frame;  ///< Set 0, shaders/demo/frame.glsl.
+        VkDescriptorSet images; ///< Depth, normals, visibility.
+    };
+    /// Of the newest frame's lighting; until the next draw() begins.
+    NewestSets newestSets(uint32_t view = 0) const
+    {
+        const SlotOfView& slot = views_[view].slots[frame_ % options_.framesInFlight];
+        return {slot.frameSet, slot.imageSet};
+    }
 
 private:
     struct SlotOfView { ///< One frame in flight of one view.

@@ -8,36 +8,31 @@
 #include <glm/matrix.hpp>
 
 namespace gnomon::demo {
-namespace {
 
-/// Layers of a map that can be asked, in world coordinates about the eye.
-struct Layer {
-    glm::dmat4 clipFromEye, samplesFromEye;
-};
-
-std::vector<Layer> layersOf(const GnLightMap& map, const glm::dvec3& eye)
+std::vector<glm::dmat4> layersOf(const GnLightMap& map, const glm::dvec3& eye)
 {
-    std::vector<Layer> layers;
+    std::vector<glm::dmat4> layers;
     const glm::dvec3 move = eye - glm::dvec3(map.origin[0], map.origin[1], map.origin[2]);
     for (uint32_t i = 0; i < std::min(map.layerCount, 6u); ++i) {
         const glm::dmat4 clipFromWorld(glm::make_mat4(map.clipFromWorld[i]));
         if ((map.validLayers >> i & 1) == 0 || glm::transpose(clipFromWorld)[3] == glm::dvec4(0.0)) continue;
         glm::dmat4 about(1.0);
         about[3] = glm::dvec4(move, 1.0);
-        const glm::dmat4 clip = clipFromWorld * about;
-        layers.push_back({clip, samplesFromClip(map.extent.width, map.extent.height) * clip});
+        layers.push_back(clipFromWorld * about);
     }
     return layers;
 }
 
+namespace {
+
 /// The one that is looked up: of a cube's faces the one that the receiver lies deepest in, else the first that holds
 /// it.
-const Layer* layerAt(std::span<const Layer> layers, LightKind kind, const glm::dvec3& at)
+const glm::dmat4* layerAt(std::span<const glm::dmat4> layers, LightKind kind, const glm::dvec3& at)
 {
-    const Layer* best = nullptr;
+    const glm::dmat4* best = nullptr;
     double deepest = 0.0;
-    for (const Layer& layer : layers) {
-        const glm::dvec4 clip = layer.clipFromEye * glm::dvec4(at, 1.0);
+    for (const glm::dmat4& layer : layers) {
+        const glm::dvec4 clip = layer * glm::dvec4(at, 1.0);
         if (!(clip.w > deepest) || std::fabs(clip.x) > clip.w || std::fabs(clip.y) > clip.w) continue;
         best = &layer;
         if (kind != LightKind::Point) return best;
@@ -78,9 +73,10 @@ double aliasingOf(const glm::dvec3& texels, const glm::dvec3& pixels, const glm:
 std::optional<ImageF> measureAliasing(const GnLightMap& map, LightKind kind, const CameraMatrices& camera,
                                       const FrameSurfaces& surfaces, const std::vector<uint8_t>& counted)
 {
-    const std::vector<Layer> layers = layersOf(map, camera.eye);
+    const std::vector<glm::dmat4> layers = layersOf(map, camera.eye);
     if (layers.empty()) return std::nullopt;
     const uint32_t width = surfaces.depth.width, height = surfaces.depth.height;
+    const glm::dmat4 texelsFromClip = samplesFromClip(map.extent.width, map.extent.height);
     const glm::dmat4 pixelsFromEye = samplesFromClip(width, height) * glm::dmat4(camera.clipFromEye);
     ImageF result(width, height, 1);
     for (uint32_t y = 0; y < height; ++y) {
@@ -90,11 +86,11 @@ std::optional<ImageF> measureAliasing(const GnLightMap& map, LightKind kind, con
                 double(camera.depthScale) / (double(*surfaces.depth.at(x, y)) + double(camera.depthAdd));
             const glm::dvec3 at = linear * (glm::dvec3(camera.rayCorner) + (x + 0.5) * glm::dvec3(camera.rayDx) +
                                             (y + 0.5) * glm::dvec3(camera.rayDy));
-            const Layer* layer = layerAt(layers, kind, at);
+            const glm::dmat4* const layer = layerAt(layers, kind, at);
             if (!layer) continue;
             const float* n = surfaces.normals.at(x, y);
-            *result.at(x, y) = static_cast<float>(
-                aliasingOf(beamAt(layer->samplesFromEye, at), beamAt(pixelsFromEye, at), glm::dvec3(n[0], n[1], n[2])));
+            *result.at(x, y) = static_cast<float>(aliasingOf(beamAt(texelsFromClip * *layer, at),
+                                                             beamAt(pixelsFromEye, at), glm::dvec3(n[0], n[1], n[2])));
         }
     }
     return result;

@@ -23,6 +23,9 @@ double aliasingOf(const glm::dvec3& texels, const glm::dvec3& pixels, const glm:
 /// Clip space to samples, counted from the corner.
 glm::dmat4 samplesFromClip(double width, double height);
 
+/// Clip space of each layer that can be looked up, in that order, from world axes about the eye; six at most.
+std::vector<glm::dmat4> layersOf(const GnLightMap& map, const glm::dvec3& eye);
+
 /// Of a light's map in one frame: m per pixel, 0 where no map is looked up.
 /// \param counted countedPixels() of the light. Empty where no layer has a matrix.
 std::optional<ImageF> measureAliasing(const GnLightMap& map, LightKind kind, const CameraMatrices& camera,

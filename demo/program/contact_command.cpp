@@ -9,6 +9,7 @@
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/measure.hpp"
+#include "demo/program/pictures.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
 
@@ -21,7 +22,6 @@ constexpr uint32_t kGap = 4;
 constexpr uint32_t kMethodsPerRow = 3; // 1 684 pixels: a README page shows it near 1:1
 constexpr uint32_t kCellWidth = kOverviewWidth + 2 * (kCropSize + kGap) + 2 * kGap;
 constexpr Rgb8 kPaper{24, 24, 28}, kInk{235, 235, 235};
-constexpr Rgb8 kFalseLit{255, 40, 40}, kFalseShadow{60, 120, 255};
 
 /// Rows of a caption, and of a cell with its caption.
 uint32_t captionHeight()

@@ -12,6 +12,9 @@
 
 namespace gnomon::demo {
 
+/// Of pixels that are lit by mistake, and dark by mistake.
+inline constexpr Rgb8 kFalseLit{255, 40, 40}, kFalseShadow{60, 120, 255};
+
 /// The colours of a series of any length. Neighbours differ in hue and in lightness.
 Rgb8 seriesColour(size_t place) noexcept;
 

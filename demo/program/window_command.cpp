@@ -18,6 +18,7 @@
 #include "demo/program/commands.hpp"
 #include "demo/program/decision_log.hpp"
 #include "demo/program/frame_log.hpp"
+#include "demo/program/picture_views.hpp"
 #include "demo/program/pictures.hpp"
 #include "demo/program/session.hpp"
 #include "demo/program/window_rules.hpp"
@@ -38,8 +39,9 @@ constexpr const char* kHelp =
     "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
     "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, Y why it has its method,\n"
     "      X what would change that, P pause, T lights in the colours of their methods or cadences,\n"
-    "      V splits the picture, right by ray_traced (the left mouse button moves the line), R records,\n"
-    "      F1 panel (where this build has one), F12 screenshot.png, Esc quits\n";
+    "      V splits the picture, right by ray_traced (the left mouse button moves the line),\n"
+    "      F shows there what is wrong, M how many pixels wide texels of the selected light's map are,\n"
+    "      R records, F1 panel (where this build has one), F12 screenshot.png, Esc quits\n";
 
 /// Follows the scene's camera until the first key, then flies.
 class FlyCamera {
@@ -210,7 +212,7 @@ public:
             last_ = now;
             takeKeys();
             takeMouse();
-            prepareSplit();
+            prepareViews();
             if (draw(seconds)) afterFrame(seconds);
         }
         if (!options_.screenshot.empty()) expect(writePng(options_.screenshot, session_.renderer.readColour()));
@@ -237,8 +239,17 @@ private:
             if (key == GLFW_KEY_C) fly_.followScript();
             if (key == GLFW_KEY_T) settings_.tint = Tint((int(settings_.tint) + 1) % kTints);
             if (key == GLFW_KEY_V) settings_.split = !settings_.split;
+            if (key == GLFW_KEY_F) toggleErrors();
+            if (key == GLFW_KEY_M) settings_.texels = !settings_.texels;
             if (key == GLFW_KEY_R) settings_.recording = !settings_.recording;
         }
+    }
+
+    /// Where the picture is not split, it is then.
+    void toggleErrors()
+    {
+        settings_.errors = !settings_.split || !settings_.errors;
+        settings_.split = true;
     }
 
     /// Not the panel's.
@@ -264,14 +275,16 @@ private:
         if (const auto x = window_.pressedAt(); x && settings_.split && mouseIsOurs()) settings_.divider = *x;
     }
 
-    /// Made when it is first asked for: it has a context of its own.
-    void prepareSplit()
+    /// Made when they are first asked for: the split has a context of its own.
+    void prepareViews()
     {
-        if (!settings_.split || split_) return;
+        if (settings_.texels && !texels_) texels_.emplace(session_.device, session_.renderer);
+        if (!settings_.split) return;
         try {
-            split_.emplace(session_, options_);
+            if (!split_) split_.emplace(session_, options_);
+            if (settings_.errors) split_->prepareErrors();
         } catch (const HostError& error) {
-            settings_.split = false;
+            settings_.split = settings_.errors = false;
             say(std::string("no split picture: ") + error.what());
         }
     }
@@ -307,11 +320,49 @@ private:
     std::function<void(VkCommandBuffer, const Image&)> overlay()
     {
         return [this](VkCommandBuffer cmd, const Image& picture) {
-            if (settings_.split && split_) split_->show(cmd, picture, settings_.divider);
+            if (settings_.texels) drawTexels(cmd);
+            if (settings_.split && settings_.errors)
+                split_->showErrors(cmd, settings_.divider);
+            else if (settings_.split)
+                split_->show(cmd, picture, settings_.divider);
 #if GNOMON_WITH_IMGUI
             if (hasPanel_) panel_.draw(cmd, picture);
 #endif
         };
+    }
+
+    /// Of the selected light, where it is there and its method has a map.
+    void drawTexels(VkCommandBuffer cmd)
+    {
+        const std::vector<uint32_t>& present = session_.renderer.state().present;
+        const auto place = std::find(present.begin(), present.end(), keys_.light());
+        GnLightMap map{GN_INIT(GnLightMap)};
+        noMap_.clear();
+        if (place == present.end())
+            noMap_ = "the selected light is not there";
+        else if (gnGetLightMap(session_.shadows.context(), session_.shadows.light(*place), &map) < 0)
+            noMap_ = gnGetLastError(session_.shadows.context());
+        else
+            texels_->record(cmd, session_.renderer, map, static_cast<uint32_t>(place - present.begin()));
+    }
+
+    /// What the colours say that are no lights'.
+    void addLegend()
+    {
+        std::vector<WindowSettings::LegendLine>& legend = settings_.legend;
+        if (settings_.texels && !noMap_.empty()) {
+            legend.push_back({noMap_, {}});
+        } else if (settings_.texels) {
+            legend.push_back({"texels are 8 pixels wide, or more", {255, 0, 0}});
+            legend.push_back({"as wide as a pixel", {255, 255, 255}});
+            legend.push_back({"an eighth of that, or less", {0, 0, 255}});
+            legend.push_back({"no map is looked up", {40, 40, 40}});
+        }
+        settings_.wrongPercent.reset();
+        if (!settings_.split || !settings_.errors) return;
+        settings_.wrongPercent = split_->wrongPercent();
+        legend.push_back({"lit by mistake", kFalseLit});
+        legend.push_back({"dark by mistake", kFalseShadow});
     }
 
     /// Of the next frame's lights: what serves them is known when a frame is recorded.
@@ -377,10 +428,12 @@ private:
         if (frame_++ % 10 == 0)
             window_.setTitle(titleFor(session_, log_, smoothedMs_ > 0.0 ? 1000.0 / smoothedMs_ : 0.0, keys_.light()));
         tint();
+        addLegend();
         record();
         if (std::exchange(screenshot_, false)) takeScreenshot();
         for (const std::string& message : session_.shadows.takeMessages())
-            std::fprintf(stderr, "gnomon: %s\n", message.c_str());
+            if (noMap_.empty() || message.find(noMap_) == std::string::npos) // which the legend says
+                std::fprintf(stderr, "gnomon: %s\n", message.c_str());
         if (options_.resizeTest > 0 && frame_ % 3 == 0 && resizes_++ < options_.resizeTest)
             window_.setSize(resizes_ < options_.resizeTest ? testSize(resizes_) : VkExtent2D{640, 360});
         if (lastFrame_ > 0 && frame_ >= lastFrame_) window_.close();
@@ -397,7 +450,9 @@ private:
     WindowRules& rules_;
     DecisionCollector& decisions_;
     WindowSettings settings_;
-    std::optional<SplitView> split_; ///< Goes after the window, whose end is the end of all commands.
+    // These go after the window, whose end is the end of all commands.
+    std::optional<SplitView> split_;
+    std::optional<TexelView> texels_;
     Window window_;
 #if GNOMON_WITH_IMGUI
     WindowPanel panel_;
@@ -407,6 +462,7 @@ private:
     FlyCamera fly_;
     FrameLog log_;
     std::vector<glm::vec3> tints_; ///< By light of the scene; empty: their own.
+    std::string noMap_;            ///< Why there are no texels to see; empty: there are.
     std::filesystem::path recording_;
     uint32_t recorded_ = 0;                           ///< Pictures.
     double duration_, time_ = 0.0, smoothedMs_ = 0.0; ///< Seconds of the scene, twice.

@@ -63,6 +63,12 @@ void drawPicture(WindowSettings& settings)
     tint("method", Tint::method);
     ImGui::SameLine();
     tint("cadence", Tint::cadence);
+    ImGui::Checkbox("split: right of the line by ray_traced", &settings.split);
+    if (settings.split) {
+        ImGui::Checkbox("errors against it in place of its picture", &settings.errors);
+        if (settings.wrongPercent) ImGui::Text("right of the line %.3f %% are wrong", *settings.wrongPercent);
+    }
+    ImGui::Checkbox("texels of the selected light's map", &settings.texels);
     for (const WindowSettings::LegendLine& line : settings.legend) {
         const ImVec4 colour(float(line.colour.r) / 255.0f, float(line.colour.g) / 255.0f, float(line.colour.b) / 255.0f,
                             1.0f);
@@ -71,7 +77,6 @@ void drawPicture(WindowSettings& settings)
         ImGui::SameLine();
         ImGui::TextUnformatted(line.text.c_str());
     }
-    ImGui::Checkbox("split: right of the line by ray_traced", &settings.split);
     ImGui::Checkbox("record", &settings.recording);
     if (!settings.notice.empty()) ImGui::TextUnformatted(settings.notice.c_str());
 }

@@ -1,6 +1,7 @@
 #include "demo/program/window_split.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace gnomon::demo {
 namespace {
@@ -8,6 +9,11 @@ namespace {
 SessionOptions truthOptions(const Session& session, const RunOptions& options)
 {
     return {.size = session.renderer.extent(), .framesInFlight = options.framesInFlight, .plugins = options.plugins};
+}
+
+uint32_t columnAt(double divider, const Image& picture)
+{
+    return static_cast<uint32_t>(std::lround(divider * picture.extent.width));
 }
 
 } // namespace
@@ -22,6 +28,12 @@ SplitView::SplitView(Session& session, const RunOptions& options)
 
 void SplitView::draw(double time, const CameraState& camera, VkExtent2D extent)
 {
+    wrongPercent_.reset();
+    if (std::exchange(readsTruth_, false)) {
+        session_.renderer.waitForFrame(); // whose sets and images the truth may change
+        const ErrorView::Counts counts = errors_->counts();
+        if (counts.counted > 0) wrongPercent_ = 100.0 * double(counts.wrong) / double(counts.counted);
+    }
     const VkExtent2D before = truth_.renderer.extent();
     if (before.width != extent.width || before.height != extent.height) {
         session_.renderer.waitForFrame(); // which may still copy from the picture that goes
@@ -35,7 +47,7 @@ void SplitView::draw(double time, const CameraState& camera, VkExtent2D extent)
 void SplitView::show(VkCommandBuffer cmd, const Image& picture, double divider) const
 {
     const Image& truth = truth_.renderer.colour();
-    const auto left = static_cast<uint32_t>(std::lround(divider * picture.extent.width));
+    const uint32_t left = columnAt(divider, picture);
     if (left >= picture.extent.width) return;
     constexpr Access copied{VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_READ_BIT,
                             VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
@@ -52,6 +64,20 @@ void SplitView::show(VkCommandBuffer cmd, const Image& picture, double divider) 
     vkCmdCopyImage(cmd, truth.get(), VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, picture.get(), written.layout, 1, &region);
     const VkImageMemoryBarrier2 after[] = {imageBarrier(picture.get(), VK_IMAGE_ASPECT_COLOR_BIT, written, copied)};
     cmdBarrier(cmd, after);
+}
+
+void SplitView::prepareErrors()
+{
+    if (!errors_) errors_.emplace(session_.device, session_.renderer);
+}
+
+void SplitView::showErrors(VkCommandBuffer cmd, double divider)
+{
+    const Image& picture = session_.renderer.colour();
+    const uint32_t left = columnAt(divider, picture);
+    if (left >= picture.extent.width) return;
+    errors_->record(cmd, session_.renderer, truth_.renderer, left);
+    readsTruth_ = true;
 }
 
 } // namespace gnomon::demo

@@ -8,6 +8,8 @@ GN_SHARED_BEGIN
 GN_SHARED_CONST uint MAX_DEMO_LIGHTS = 256u; // as many as a view of gnomon holds
 GN_SHARED_CONST uint LIGHT_TILES = 16u;        // of the screen, a side
 GN_SHARED_CONST uint LIGHT_TILE_WORDS = 8u;    // a bit for each light
+GN_SHARED_CONST uint ERROR_COUNTS = 64u;       // that pixels add to in turn
+GN_SHARED_CONST uint MAX_MAP_LAYERS = 6u;      // of GnLightMap
 
 struct DemoInstance {
     vec4 worldFromObject[3]; // rows; translation relative to the eye, metres
@@ -43,6 +45,15 @@ struct DemoView {
     DemoLight lights[MAX_DEMO_LIGHTS];
     uint tileLights[LIGHT_TILES * LIGHT_TILES * LIGHT_TILE_WORDS]; // which may reach a pixel of a tile, row by row
 };
+
+// A light's map, for the width of its texels.
+struct DemoMap {
+    mat4 clipFromEye[MAX_MAP_LAYERS]; // world axes, origin at the eye; in the order in which layers are looked up
+    vec2 extent;                      // texels
+    uint layers;
+    uint light;                       // of DemoView
+};
+GN_SHARED_SIZE(DemoMap, 400)
 
 GN_SHARED_END
 #endif

@@ -2,30 +2,28 @@
 // Lambert under every light, times what gnomon says. Plain on purpose: the shadows are the subject.
 #extension GL_GOOGLE_include_directive : require
 #include "frame.glsl"
+#include "attenuation.glsl"
 #define GNOMON_VISIBILITY_SET 1
 #define GNOMON_VISIBILITY_BINDING 2
 #include "gnomon/visibility.glsl"
 
 layout(set = 1, binding = 0) uniform sampler2D depthImage;
 layout(set = 1, binding = 1) uniform sampler2D normalImage;
+#ifdef GNOMON_ERROR_VIEW
+// Over the picture in grey: where another visibility, in the same layers, differs from the one that lights it.
+layout(set = 2, binding = 2) uniform sampler2DArray judgedVisibility;
+layout(std430, set = 3, binding = 0) buffer Counts { uvec2 counts[ERROR_COUNTS]; }; // of lights: x counted, y wrong
+layout(push_constant) uniform Push {
+    vec4 falseLit; // sRGB
+    vec4 falseShadow;
+};
+#endif
 
 layout(location = 0) in vec3 ray;
 layout(location = 0) out vec4 colour; // sRGB-encoded by hand: the picture files and the swapchain take it as it is
 
 const vec3 kAmbientUp = vec3(0.16, 0.18, 0.22);
 const vec3 kAmbientDown = vec3(0.07, 0.06, 0.06);
-
-// Falls smoothly to zero at the range; inside, no inverse square, so that intensity means what it says in scene files.
-float attenuation(DemoLight light, vec3 fromLight, vec3 towardsLight)
-{
-    if (light.type == LIGHT_DIRECTIONAL) return 1.0;
-    float reach = light.colour.w > 0.0 ? min(length(fromLight) / light.colour.w, 1.0) : 0.0;
-    float window = 1.0 - reach * reach;
-    float cone = light.type == LIGHT_SPOT
-                     ? smoothstep(light.direction.w, light.cosInner, -dot(towardsLight, light.direction.xyz))
-                     : 1.0;
-    return window * window * cone;
-}
 
 vec3 encodeSrgb(vec3 linear)
 {
@@ -41,12 +39,23 @@ vec3 film(vec3 linear)
     return x / (0.961 * x + 0.577);
 }
 
+#ifdef GNOMON_ERROR_VIEW
+vec4 marked(vec3 picture, float error)
+{
+    float grey = 0.15 + 0.6 * dot(picture, vec3(0.2126, 0.7152, 0.0722)); // neither end hides the colours
+    return vec4(mix(vec3(grey), error > 0.0 ? falseLit.rgb : falseShadow.rgb, min(abs(error), 1.0)), 1.0);
+}
+#endif
+
 void main()
 {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     float depth = texelFetch(depthImage, pixel, 0).x;
     if (depth == view.skyDepth) {
         colour = vec4(encodeSrgb(view.sky.rgb), 1.0);
+#ifdef GNOMON_ERROR_VIEW
+        colour = marked(colour.rgb, 0.0);
+#endif
         return;
     }
     vec4 normalAndInstance = texelFetch(normalImage, pixel, 0);
@@ -54,6 +63,10 @@ void main()
     vec3 position = ray * (view.depthScale / (depth + view.depthAdd));
     vec3 light = view.ambient * mix(kAmbientDown, kAmbientUp, 0.5 + 0.5 * n.y);
     uvec2 tile = min(uvec2(gl_FragCoord.xy / view.extent.zw), uvec2(LIGHT_TILES - 1u));
+#ifdef GNOMON_ERROR_VIEW
+    float error = 0.0; // the largest of all lights
+    uvec2 found = uvec2(0u);
+#endif
     uint firstWord = (tile.y * LIGHT_TILES + tile.x) * LIGHT_TILE_WORDS;
     for (uint word = 0u; word < LIGHT_TILE_WORDS; ++word) {
         uint bits = view.tileLights[firstWord + word];
@@ -63,10 +76,25 @@ void main()
             vec3 fromLight = position - view.lights[i].positionEye.xyz;
             bool directional = view.lights[i].type == LIGHT_DIRECTIONAL;
             vec3 towards = directional ? -view.lights[i].direction.xyz : -normalize(fromLight);
-            float lambert = max(dot(n, towards), 0.0) * attenuation(view.lights[i], fromLight, towards);
-            light += view.lights[i].colour.rgb * (lambert * gnomonVisibility(pixel, int(i)));
+            float facing = max(dot(n, towards), 0.0);
+            float lambert = facing * attenuation(view.lights[i], fromLight, towards);
+            float visibility = gnomonVisibility(pixel, int(i));
+            light += view.lights[i].colour.rgb * (lambert * visibility);
+#ifdef GNOMON_ERROR_VIEW
+            if (lambert > 0.0 && facing >= GRAZING) {
+                float judged = texelFetch(judgedVisibility, ivec3(pixel, i), 0).x;
+                if (abs(judged - visibility) > abs(error)) error = judged - visibility;
+                found += uvec2(1u, (judged >= 0.5) != (visibility >= 0.5) ? 1u : 0u);
+            }
+#endif
         }
     }
     vec3 albedo = instances[uint(normalAndInstance.w + 0.5)].albedo.rgb;
     colour = vec4(encodeSrgb(film(albedo * light)), 1.0);
+#ifdef GNOMON_ERROR_VIEW
+    colour = marked(colour.rgb, error);
+    uint place = uint(pixel.x + pixel.y) % ERROR_COUNTS; // neighbours add to different ones
+    if (found.x > 0u) atomicAdd(counts[place].x, found.x);
+    if (found.y > 0u) atomicAdd(counts[place].y, found.y);
+#endif
 }

@@ -385,6 +385,48 @@ void tintAndSplit(Driven& it, const Image8& still)
     CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
 }
 
+/// The share of pixels in columns from `left` on.
+template <typename Is>
+double share(const Image8& picture, uint32_t left, Is&& is)
+{
+    size_t found = 0;
+    for (uint32_t y = 0; y < picture.height; ++y)
+        for (uint32_t x = left; x < picture.width; ++x)
+            found += is(picture.at(x, y));
+    return double(found) / (double(picture.width - left) * picture.height);
+}
+
+/// Errors against `ray_traced` right of the line, and the texels of a map, of a light that has one.
+void errorsAndTexels(Driven& it, const Image8& still)
+{
+    const auto isGrey = [](const uint8_t* p) { return std::abs(p[0] - p[1]) <= 1 && std::abs(p[1] - p[2]) <= 1; };
+    const auto isMarked = [](const uint8_t* p) {
+        return (p[0] > p[1] + 60 && std::abs(p[1] - p[2]) < 20) || (p[2] > p[1] + 60 && p[1] > p[0]);
+    };
+    Driven::press("1");
+    CHECK_MESSAGE(it.titleSays("[spot1: shadow_map]"), it.title());
+    Driven::press("f");
+    CHECK(eventually([&] {
+        const Image8 shown = it.shown();
+        const double marked = share(shown, kWidth / 4 + 4, isMarked);
+        return share(shown, kWidth / 4 + 4, isGrey) > 0.9 && marked > 1e-4 && marked < 0.05;
+    }));
+    CHECK(differing(it.shown(), still, 0, kWidth / 4 - 4) < 0.05); // left of the line the picture as it is
+    it.keep("errors.png");
+    Driven::press("f");
+    CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 4 + 4, kWidth) < 0.03; }));
+    Driven::press("v");
+
+    Driven::press("m"); // red, white or blue where the map is looked up
+    const auto isWidth = [](const uint8_t* p) { return std::max(p[0], p[2]) == 255 && p[1] <= std::min(p[0], p[2]); };
+    CHECK(share(still, 0, isWidth) < 0.05);
+    CHECK(eventually([&] { return share(it.shown(), 0, isWidth) > 0.1; }));
+    it.keep("texels.png");
+    Driven::press("m");
+    Driven::press("0");
+    CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
+}
+
 void record(Driven& it)
 {
     Driven::press("r");
@@ -429,6 +471,7 @@ TEST_CASE("the window shows the scene and a readable panel, and does what keys a
     if (it.scale == 1) {
         record(it);
         tintAndSplit(it, still);
+        errorsAndTexels(it, still);
         lookAround(it, still);
     }
 
