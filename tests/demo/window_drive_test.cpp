@@ -403,18 +403,19 @@ void errorsAndTexels(Driven& it, const Image8& still)
     const auto isMarked = [](const uint8_t* p) {
         return (p[0] > p[1] + 60 && std::abs(p[1] - p[2]) < 20) || (p[2] > p[1] + 60 && p[1] > p[0]);
     };
+    constexpr uint32_t right = kWidth / 2 + 4; // of the line, in its first place too
     Driven::press("1");
     CHECK_MESSAGE(it.titleSays("[spot1: shadow_map]"), it.title());
     Driven::press("f");
     CHECK(eventually([&] {
         const Image8 shown = it.shown();
-        const double marked = share(shown, kWidth / 4 + 4, isMarked);
-        return share(shown, kWidth / 4 + 4, isGrey) > 0.9 && marked > 1e-4 && marked < 0.05;
+        const double marked = share(shown, right, isMarked);
+        return share(shown, right, isGrey) > 0.9 && marked > 1e-4 && marked < 0.05;
     }));
     CHECK(differing(it.shown(), still, 0, kWidth / 4 - 4) < 0.05); // left of the line the picture as it is
     it.keep("errors.png");
     Driven::press("f");
-    CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 4 + 4, kWidth) < 0.03; }));
+    CHECK(eventually([&] { return differing(it.shown(), still, right, kWidth) < 0.03; }));
     Driven::press("v");
 
     Driven::press("m"); // red, white or blue where the map is looked up
