@@ -6,6 +6,9 @@ gnomon_shared(
             filtered/moments_columns.comp:WORDS=1:filtered/moments_columns1.comp
             filtered/moments_columns.comp:WORDS=2:filtered/moments_columns2.comp
             filtered/moments_columns.comp:WORDS=4:filtered/moments_columns4.comp
+            filtered/moments_levels.comp:WORDS=1:filtered/moments_levels1.comp
+            filtered/moments_levels.comp:WORDS=2:filtered/moments_levels2.comp
+            filtered/moments_levels.comp:WORDS=4:filtered/moments_levels4.comp
             filtered/nearest.frag
             filtered/nearest.frag:MAP_LAYERS=1:filtered/nearest_cube.frag)
 gnomon_algorithm(pcss

@@ -8,6 +8,9 @@
 #include "shaders/filtered_moments_columns1_comp.h"
 #include "shaders/filtered_moments_columns2_comp.h"
 #include "shaders/filtered_moments_columns4_comp.h"
+#include "shaders/filtered_moments_levels1_comp.h"
+#include "shaders/filtered_moments_levels2_comp.h"
+#include "shaders/filtered_moments_levels4_comp.h"
 #include "shaders/filtered_moments_rows_comp.h"
 
 namespace gnomon {
@@ -70,11 +73,34 @@ PipelineId columnsPipeline(const AlgorithmServices& services, std::uint32_t chan
     return services.pipelines->compute(info);
 }
 
+PipelineId levelsPipeline(const AlgorithmServices& services, std::uint32_t words)
+{
+    const std::span<const std::uint32_t> codes[] = {k_filtered_moments_levels1_comp, k_filtered_moments_levels2_comp,
+                                                    k_filtered_moments_levels4_comp};
+    const VkFormat format = kWordFormats[logOf(words)];
+    const std::array bindings = {
+        kConstantsBinding,
+        BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = format, .powerOfTwo = true},
+        BindingInfo{.binding = 2, .kind = BindingKind::storageImage, .format = format}};
+    ComputePipelineInfo info;
+    info.name = "moments.levels";
+    info.compute.code = codes[logOf(words)];
+    info.bindings = bindings;
+    return services.pipelines->compute(info);
+}
+
+VkExtent2D levelsExtent(std::uint32_t resolution)
+{
+    const gpu::uvec2 extent = gpu::momentLevelsExtent(resolution);
+    return {extent.x, extent.y};
+}
+
 /// Whichever tasks make the same of the same map share it.
 std::uint32_t variantOf(const MomentFilter& filter, std::uint32_t resolution)
 {
     const std::uint64_t hash = Stamp()
                                    .add(std::uint64_t{filter.kind << 16 | filter.bits << 8 | filter.boxes})
+                                   .add(std::uint64_t{filter.mips})
                                    .add(std::uint64_t{filter.box} << 32 | resolution)
                                    .add(filter.exponent)
                                    .value();
@@ -106,7 +132,8 @@ bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::ui
 /// One layer of a map and what its moments are made in.
 struct MomentMaps::Layer {
     MomentFilter filter;
-    ImageId map, moments;
+    ImageId map;
+    MomentImages moments;
     BufferId first, second; ///< Scratch.
     Scope scope;            ///< LightMap::scope
     std::uint32_t index = 0, side = 0, variant = 0;
@@ -128,25 +155,33 @@ MomentMaps::MomentMaps(const AlgorithmServices& services)
         means_[logOf(channels)] = meansPipeline(services, channels);
         for (const std::uint32_t words : {(channels + 1) / 2, channels})
             columns_[logOf(channels)][logOf(words)] = columnsPipeline(services, channels, words);
+        levels_[logOf(channels)] = levelsPipeline(services, channels);
     }
 }
 
-ImageId MomentMaps::declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task, std::uint32_t resolution,
-                            const MomentFilter& filter) const
+MomentImages MomentMaps::declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task,
+                                 std::uint32_t resolution, const MomentFilter& filter) const
 {
     const std::uint32_t variant = variantOf(filter, resolution);
     const auto layers = static_cast<std::uint32_t>(map.fits.size());
-    const ImageId moments = passes.persistent(ImageInfo{.name = "moments.map",
-                                                        .scope = map.scope,
-                                                        .format = format(filter),
-                                                        .extent = {resolution, resolution},
-                                                        .layers = layers,
-                                                        .variant = variant});
+    ImageInfo info{.name = "moments.map",
+                   .scope = map.scope,
+                   .format = format(filter),
+                   .extent = {resolution, resolution},
+                   .layers = layers,
+                   .variant = variant};
+    MomentImages moments{.map = passes.persistent(info), .levels = {}};
+    if (filter.mips) {
+        info.name = "moments.smaller";
+        info.extent = levelsExtent(resolution);
+        moments.levels = passes.persistent(info);
+    }
     for (std::uint32_t index = 0; index < layers; ++index) {
         if ((map.needed >> index & 1) == 0) continue;
         const gpu::LinearDepth linear = linearDepthOf(map.fits[index], *task.light); // follows all casters in range
-        const std::uint64_t made = Stamp().add(map.stamps[index]).add(linear.scale).value();
-        if (!staleLayer(passes, "moments.stamp", map.scope, variant + index, moments, made)) continue;
+        Stamp made = Stamp().add(map.stamps[index]).add(linear.scale);
+        if (filter.mips) made.add(passes.serial(moments.levels));
+        if (!staleLayer(passes, "moments.stamp", map.scope, variant + index, moments.map, made.value())) continue;
         const auto scratch = [&](const char* name) {
             return passes.transient(BufferInfo{
                 .name = name, .scope = map.scope, .size = scratchBytes(filter, resolution), .variant = variant});
@@ -208,17 +243,34 @@ void MomentMaps::declareLayer(PassBuilder& passes, const Layer& declared) const
     passes.compute("moments.columns", layer->scope, layer->variant)
         .reads(from)
         .updates(to)
-        .writes(layer->moments, {.layer = layer->index})
+        .writes(layer->moments.map, {.layer = layer->index})
         .record([layer, from, to, pipeline = columns_[channels][logOf(wordsOf(layer->filter))]](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, layer->columns), gpu.storage(1, from), gpu.storage(2, to),
-                                gpu.storage(3, layer->moments, layer->index)});
+                                gpu.storage(3, layer->moments.map, layer->index)});
             layer->dispatch(gpu);
+        });
+    if (layer->filter.mips) declareLevels(passes, layer);
+}
+
+void MomentMaps::declareLevels(PassBuilder& passes, const Layer* layer) const
+{
+    passes.compute("moments.levels", layer->scope, layer->variant)
+        .samples(layer->moments.map, {.layer = layer->index})
+        .writes(layer->moments.levels, {.layer = layer->index})
+        .record([layer, pipeline = levels_[logOf(wordsOf(layer->filter))]](PassContext& gpu) {
+            gpu.bind(pipeline, {gpu.constants(0, layer->columns),
+                                gpu.sampled(1, layer->moments.map, SamplerKind::nearest, layer->index),
+                                gpu.storage(2, layer->moments.levels, layer->index)});
+            const std::uint32_t groups = (layer->side + gpu::MOMENT_LEVELS_TILE - 1) / gpu::MOMENT_LEVELS_TILE;
+            gpu.vk->vkCmdDispatch(gpu.cmd, groups, groups, 1);
         });
 }
 
 VkDeviceSize MomentMaps::memory(const MomentFilter& filter, std::uint32_t resolution, std::uint32_t layers)
 {
-    return storedImageSize({resolution, resolution}, 4 * wordsOf(filter)) * layers +
+    const VkDeviceSize texel = 4 * wordsOf(filter);
+    const VkDeviceSize levels = filter.mips ? storedImageSize(levelsExtent(resolution), texel) : 0;
+    return (storedImageSize({resolution, resolution}, texel) + levels) * layers +
            2 * pooledSize(scratchBytes(filter, resolution));
 }
 

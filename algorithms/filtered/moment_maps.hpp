@@ -17,6 +17,7 @@ struct MomentFilter {
     float exponent = 1.0f;                   ///< gpu::momentExponent().
     std::uint32_t box = 1;                   ///< Texels, odd, at most gpu::MAX_MOMENT_FILTER.
     std::uint32_t boxes = 1; ///< How often the box is applied along either axis; 3 is nearly a Gaussian.
+    bool mips = false;       ///< Whether smaller maps are made, gpu::MOMENT_LEVELS of them.
 
     /// Standard deviation along an axis of the places that a filtered value is the mean of, texels.
     float deviation() const { return static_cast<float>(box) * std::sqrt(static_cast<float>(boxes) / 12.0f); }
@@ -32,14 +33,20 @@ gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light);
 bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::uint32_t variant, ImageId image,
                 std::uint64_t mapStamp);
 
+/// Both have the layers of the map, and MomentMaps::format().
+struct MomentImages {
+    ImageId map;
+    ImageId levels; ///< Smaller ones, gpu::momentLevelCorner(); null without MomentFilter::mips.
+};
+
 class MomentMaps {
 public:
     explicit MomentMaps(const AlgorithmServices& services);
 
     /// Declares what is missing of the filtered moments of a map that this frame has declared; none of it where the map
-    /// stands still. @return an image as kFormats has it, with the layers of the map
-    ImageId declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task, std::uint32_t resolution,
-                    const MomentFilter& filter) const;
+    /// stands still.
+    MomentImages declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task, std::uint32_t resolution,
+                         const MomentFilter& filter) const;
 
     /// Device bytes without the depth map.
     static VkDeviceSize memory(const MomentFilter& filter, std::uint32_t resolution, std::uint32_t layers);
@@ -51,10 +58,12 @@ public:
 private:
     struct Layer;
     void declareLayer(PassBuilder& passes, const Layer& layer) const;
+    void declareLevels(PassBuilder& passes, const Layer* layer) const;
 
     std::array<PipelineId, gpu::MOMENT_KINDS> rows_;     ///< By kind.
     std::array<PipelineId, 3> means_;                    ///< By channels: 1, 2, 4.
     std::array<std::array<PipelineId, 3>, 3> columns_{}; ///< By channels and words.
+    std::array<PipelineId, 3> levels_;                   ///< By words.
 };
 
 } // namespace gnomon

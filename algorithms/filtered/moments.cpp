@@ -18,7 +18,7 @@ namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding, kFit, kContact };
+enum Setting { kResolution, kKind, kFilter, kBoxes, kBits, kExponent, kBleeding, kFit, kContact, kMips };
 
 constexpr SettingSpec kSettings[] = {
     // 2048: the buffers of the filter, 16 bytes a texel, have to fit into a storage buffer, which may have 128 MiB.
@@ -33,6 +33,7 @@ constexpr SettingSpec kSettings[] = {
     {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0.1},
     kFitSetting,
     kContactSetting,
+    {"mips", "1: pixels wider than the filter look at smaller maps, which take 3/8 more memory.", 0, 1, 0},
 };
 
 MomentFilter filterOf(std::span<const double> settings)
@@ -42,6 +43,7 @@ MomentFilter filterOf(std::span<const double> settings)
     filter.bits = settings[kBits] < 24.0 ? 16 : 32;
     filter.boxes = static_cast<std::uint32_t>(settings[kBoxes]);
     filter.box = ((static_cast<std::uint32_t>(settings[kFilter]) - 1) / filter.boxes + 1) | 1u;
+    filter.mips = settings[kMips] != 0.0;
     filter.exponent = gpu::momentExponent(filter.kind, filter.bits, static_cast<float>(settings[kExponent]));
     return filter;
 }
@@ -58,6 +60,7 @@ void addMoments(gpu::MomentsConstants& constants, const MomentFilter& filter, fl
     constants.deviation = filter.bits == 16 ? 0x1p-7f : gpu::MOMENT_DEVIATION;
     constants.momentBias = filter.bits == 16 ? 6e-5f : gpu::MOMENT_BIAS;
     constants.planeTexels = filter.deviation();
+    constants.levels = filter.mips ? static_cast<float>(gpu::MOMENT_LEVELS) : 0.0f;
 }
 
 class Moments final : public ShadowAlgorithm {
@@ -67,7 +70,8 @@ public:
           resolve_(services, {.name = "moments.resolve",
                               .fragment = k_filtered_moments_frag,
                               .cube = k_filtered_moments_cube_frag,
-                              .choices = 2}),
+                              .choices = 2,
+                              .levels = true}),
           contact_(services)
     {
     }
@@ -82,9 +86,10 @@ public:
                                              std::max(filter.border(), kMapBorderTexels), mapFit(task.settings[kFit]));
         constants.linear = linearDepthOf(map.fits.front(), *task.light); // all layers have the same ends
         addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
-        const ImageId moments = maps_.declare(passes, map, task, resolution, filter);
+        const MomentImages moments = maps_.declare(passes, map, task, resolution, filter);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
-        resolve_.declare(passes, task, map.image, moments, constants, filter.kind == gpu::MOMENTS_MSM);
+        resolve_.declare(passes, task, map.image, moments.map, constants, filter.kind == gpu::MOMENTS_MSM,
+                         moments.levels ? moments.levels : moments.map);
         contact_.declare(passes, task, task.settings[kContact]);
     }
 

@@ -11,19 +11,21 @@ StatisticsResolve::StatisticsResolve(const AlgorithmServices& services, const St
 {
     for (const bool cube : {false, true}) {
         const std::array look = lookupBindings(cube);
-        std::array<BindingInfo, look.size() + 1> bindings{};
+        std::array<BindingInfo, look.size() + 2> bindings{};
         std::ranges::copy(look, bindings.begin());
-        bindings.back() = {.binding = 5,
-                           .kind = BindingKind::sampledImage,
-                           .format = VK_FORMAT_R32G32B32A32_UINT,
-                           .array = true,
-                           .powerOfTwo = true};
+        bindings[look.size()] = {.binding = 5,
+                                 .kind = BindingKind::sampledImage,
+                                 .format = VK_FORMAT_R32G32B32A32_UINT,
+                                 .array = true,
+                                 .powerOfTwo = true};
+        bindings.back() = bindings[look.size()];
+        bindings.back().binding = 6;
         GraphicsPipelineInfo pipeline;
         pipeline.name = info.name;
         pipeline.vertex.code = k_shared_map_resolve_vert;
         pipeline.fragment.code = cube ? info.cube : info.fragment;
         pipeline.fragment.specializationCount = 2;
-        pipeline.bindings = bindings;
+        pipeline.bindings = std::span(bindings).first(bindings.size() - (info.levels ? 0 : 1));
         pipeline.colorFormat = VK_FORMAT_R8_UNORM;
         for (const bool normals : {false, true}) {
             for (std::uint32_t choice = 0; choice < info.choices; ++choice) {

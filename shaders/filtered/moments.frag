@@ -13,7 +13,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     float bleeding;
     float deviation;
     float momentBias;
-    float padding0;
+    float levels;
     float planeTexels;
 };
 layout(set = 0, binding = 2) uniform sampler2D depthImage;
@@ -24,6 +24,7 @@ layout(set = 0, binding = 4) uniform sampler2DArray map;
 layout(set = 0, binding = 4) uniform sampler2D map;
 #endif
 layout(set = 0, binding = 5) uniform usampler2DArray moments;
+layout(set = 0, binding = 6) uniform usampler2DArray smaller;
 layout(location = 0) noperspective in vec3 rayWs;
 layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
@@ -33,14 +34,16 @@ layout(constant_id = 1) const bool FOUR = false;
 #include "../shared/agreement.glsl"
 #include "moment_words.glsl"
 
-vec4 momentsAt(ivec3 texel)
+vec4 unpacked(uvec4 words)
 {
-    uvec4 words = texelFetch(moments, texel, 0);
     uint channels = momentChannels(kind);
     bool halves = bits == 16u ? channels == 4u : channels == 2u;
     if (halves) words = wordsOf(words);
     return unpackedMoments(FOUR ? MOMENTS_MSM : kind, bits, words);
 }
+
+vec4 momentsAt(ivec3 texel) { return unpacked(texelFetch(moments, texel, 0)); }
+vec4 smallerAt(ivec3 texel) { return unpacked(texelFetch(smaller, texel, 0)); }
 
 // Filtered moments between texels: each is a linear function of what was filtered, so that they may be mixed.
 vec4 mixedMoments(vec2 at, float layer)
@@ -56,20 +59,70 @@ vec4 mixedMoments(vec2 at, float layer)
     return mix(above, below, part.y);
 }
 
+// Of one of the smaller maps.
+vec4 mixedSmaller(uint level, vec2 at, float layer)
+{
+    uint side = uint(constants.map.side) >> level;
+    vec2 place = clamp(at * exp2(-float(level)) - 0.5, vec2(0.0), vec2(float(side) - 1.0));
+    ivec2 base = min(ivec2(place), ivec2(max(int(side) - 2, 0)));
+    vec2 part = place - vec2(base);
+    ivec3 texel = ivec3(base + ivec2(momentLevelCorner(uint(constants.map.side), level)), layer);
+    vec4 above = mix(smallerAt(texel), smallerAt(texel + ivec3(1, 0, 0)), part.x);
+    vec4 below = mix(smallerAt(texel + ivec3(0, 1, 0)), smallerAt(texel + ivec3(1, 1, 0)), part.x);
+    return mix(above, below, part.y);
+}
+
+// How far the middles of neighbouring pixels are apart on the map, texels, where both see the receiver's plane.
+vec2 onMap(PlaneReceiver r, vec4 clip, float layer, vec3 rayStep)
+{
+    vec3 looking = lookingWs(constants.view, r.ray);
+    vec3 stepWs = rayStep - looking * (dot(r.normalWs, rayStep) / dot(r.normalWs, looking));
+#ifdef MAP_LAYERS
+    vec4 change = cubeClip(constants.map, r.w * stepWs, uint(layer));
+#else
+    vec4 change = constants.map.clipFromRay * vec4(r.w * stepWs, 0.0);
+#endif
+    return (change.xy - clip.xy * (change.w / clip.w)) / clip.w;
+}
+
+// The level whose texels, filtered and mixed, have the variance of a pixel's places on the map; 0 where the filter alone
+// has it. Twelve times the variances along an axis: of the filter 12 planeTexels^2, of 2^n texels in a row 4^n - 1, of
+// mixing two 2 * 4^n; of a square its side squared. A pixel's place there is long where the view is flat: its area, not
+// its length, or what is across would be lost.
+float levelOf(PlaneReceiver r, vec4 clip, float layer)
+{
+    vec2 x = onMap(r, clip, layer, constants.view.rayDxWs.xyz), y = onMap(r, clip, layer, constants.view.rayDyWs.xyz);
+    float area = abs(x.x * y.y - x.y * y.x);
+    float wanted = (area - 12.0 * planeTexels * planeTexels + 1.0) / 3.0;
+    // Compared so that what is no number is level 0.
+    return wanted > 1.0 ? min(0.5 * log2(wanted), levels) : 0.0;
+}
+
+vec4 levelledMoments(float level, vec2 at, float layer)
+{
+    uint lower = uint(level);
+    vec4 fine = lower == 0u ? mixedMoments(at, layer) : mixedSmaller(lower, at, layer);
+    float part = level - float(lower);
+    return part > 0.0 ? mix(fine, mixedSmaller(lower + 1u, at, layer), part) : fine;
+}
+
 void main()
 {
     PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     float layer;
     vec4 clip = mapClipOf(r, layer);
     Tap tap = tapOf(r, clip, layer);
-    float nearer = linearZ(linear, tap.depth - planeTexels * length(tap.depthPerTexel));
+    float level = levels > 0.0 && !r.decided ? levelOf(r, clip, layer) : 0.0;
+    float spread = planeTexels;
+    if (level > 0.0) spread = sqrt(spread * spread + 0.25 * (exp2(2.0 * level) - 1.0));
+    float nearer = linearZ(linear, tap.depth - spread * length(tap.depthPerTexel));
 
     MomentBounds k;
     k.kind = FOUR ? MOMENTS_MSM : min(kind, MOMENTS_EVSM4);
     k.exponent = exponent;
     k.deviation = deviation;
     k.momentBias = momentBias;
-    float lit = withoutBleeding(momentsLit(k, mixedMoments(tap.at, layer), linearZ(linear, tap.depth), nearer), bleeding);
+    float lit = withoutBleeding(momentsLit(k, levelledMoments(level, tap.at, layer), linearZ(linear, tap.depth), nearer), bleeding);
     // Beside a directional light's map there is no caster.
     bool beside = constants.map.positional == 0.0 && !texelExists(tap, tap.at);
     visibility = r.decided ? r.visibility : beside ? 1.0 : lit;

@@ -19,7 +19,7 @@ struct MomentsConstants {
     float bleeding;   // [0, 1): what is darker counts as umbra
     float deviation;  // least standard deviation of z
     float momentBias; // MSM: share of the moments of 0 and 1, which keeps rounded ones possible
-    float padding0;
+    float levels;      // smaller maps that may be looked up, 0 to MOMENT_LEVELS
     float planeTexels; // standard deviation of a place in the box along either axis
 };
 GN_SHARED_OFFSET(MomentsConstants, kind, 432)
@@ -58,6 +58,24 @@ GN_SHARED_FN uint boxTexel(BoxSums sums, uint at, uint line)
 GN_SHARED_FN uint boxTexels(uint side)
 {
     return (side + BOX_STRIP - 1u) / BOX_STRIP * BOX_STRIP * side;
+}
+
+// Smaller maps of moments beside the map itself, level 0: of level n a texel is the mean of 4^n.
+GN_SHARED_CONST uint MOMENT_LEVELS = 5u;
+// Texels of level 0 per side that a work group makes all levels of.
+GN_SHARED_CONST uint MOMENT_LEVELS_TILE = 32u;
+
+// All levels lie in one image of these texels: level 1 on the left, the rest in a column beside it.
+GN_SHARED_FN uvec2 momentLevelsExtent(uint side)
+{
+    return uvec2((side >> 1) + (side >> 2), side >> 1);
+}
+
+// Where a level begins there. Level n has side >> n texels per side.
+GN_SHARED_FN uvec2 momentLevelCorner(uint side, uint level)
+{
+    uint column = level > 1u ? side >> 1 : 0u;
+    return uvec2(column, level > 1u ? column - (side >> (level - 1u)) : 0u);
 }
 
 // Channels of a kind.
