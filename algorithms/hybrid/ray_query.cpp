@@ -6,7 +6,7 @@
 #include "algorithms/entries.hpp"
 
 #include "algorithms/hybrid/device_trace.hpp"
-#include "algorithms/hybrid/sampled_pixels.hpp"
+#include "algorithms/hybrid/sample_settings.hpp"
 #include "algorithms/shared/source_size.hpp"
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/hybrid_ray_query_frag.h"

@@ -1,26 +1,10 @@
 #pragma once
 // Many rays a pixel to points of the light's source: the truth that soft methods are held against. ray_query takes the
 // same points (shaders/hybrid/ray_samples.frag).
-#include <cmath>
-
+#include "algorithms/hybrid/sample_settings.hpp"
 #include "algorithms/hybrid/traced_pixels.hpp"
-#include "shaders/hybrid/ray_samples.h"
 
 namespace gnomon {
-
-/// Most rays a pixel.
-inline constexpr std::uint32_t kMaxSourceSamples = gpu::MOST_SAMPLES;
-
-inline constexpr SettingSpec kSamplesSetting = {
-    "samples", "Rays a pixel to points of a light with a radius; 1: one ray to its centre, a hard shadow.", 1,
-    kMaxSourceSamples, 1};
-inline constexpr SettingSpec kSeedSetting = {"seed", "Another number takes other points.", 0, 65535, 0};
-
-/// Points lie in so many rows, each as high as the points that it holds.
-inline std::uint32_t sampleRows(std::size_t count)
-{
-    return static_cast<std::uint32_t>(std::sqrt(static_cast<double>(count)));
-}
 
 /// The points of a light's disc that a pixel asks. The disc is cut into `count` parts of equal area, and one point is
 /// taken somewhere in each: where, differs from pixel to pixel, and is the same in every frame.
