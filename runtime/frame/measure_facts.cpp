@@ -78,6 +78,13 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
                                  .maps = mapsOf(light.type)});
 }
 
+/// In a light's first frame only what the host calls static is known to rest. A map that is kept would be the cheapest
+/// for all others, too, and drawn for nothing where they move.
+bool isStill(const LightView& light, const LightCasters& casters, const MotionHistory& motion)
+{
+    return motion.rests() && (!motion.isNew || (light.isStatic && casters.dynamics.empty()));
+}
+
 void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, const FactsParts& parts)
 {
     const ViewFrame& viewFrame = frame.views[index];
@@ -111,7 +118,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .importance = light.importance,
                                           .recorded = frame.mode == FrameMode::recorded,
                                           .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
-                                          .still = state.motion.rests(),
+                                          .still = isStill(light, casters, state.motion),
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
     }

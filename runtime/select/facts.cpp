@@ -318,6 +318,7 @@ void MotionHistory::note(std::uint64_t now, const LightView& light, const LightC
     dynamicStamp = casters.dynamicStamp;
     staticStamp = casters.staticStamp;
     frame = now;
+    isNew = first;
 }
 
 bool MotionHistory::rests() const

@@ -101,6 +101,7 @@ struct MotionHistory {
     std::uint64_t bits = 0;
     std::uint64_t lightRevision = 0, dynamicStamp = 0, staticStamp = 0;
     std::uint64_t frame = 0;
+    bool isNew = true; ///< Noted once at most: nobody knows yet whether it moves.
 
     /// @param shifted the frame's origin has moved: revisions are others, whatever has moved besides is not told
     void note(std::uint64_t now, const LightView& light, const LightCasters& casters, bool shifted = false);

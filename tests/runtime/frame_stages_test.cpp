@@ -222,6 +222,24 @@ TEST_CASE("facts are measured for every light of a view, in the order of its lay
     CHECK(trip.lights.size() == 2);
 }
 
+TEST_CASE("a light that is new rests if the host calls it static, others once a second frame has shown that they do")
+{
+    Trip trip({painter("a", true)});
+    GnLightInfo fixed{};
+    fixed.type = GN_LIGHT_TYPE_POINT;
+    fixed.pName = "fixed";
+    fixed.range = 10.0f;
+    fixed.flags = GN_LIGHT_STATIC_BIT;
+    trip.bulbs[1] = *trip.scene.registry->createLight(fixed);
+    trip.measure();
+    CHECK(!trip.frame.lights[0].facts.still);
+    CHECK(trip.frame.lights[1].facts.still);
+    trip.info.frame = 2;
+    trip.measure();
+    CHECK(trip.frame.lights[0].facts.still);
+    CHECK(trip.frame.lights[1].facts.still);
+}
+
 TEST_CASE("each light is served by the first of equals, and its passes are declared")
 {
     Trip trip({painter("a", true), painter("b", true)});
