@@ -278,6 +278,7 @@ PlanReport PlanStep::step(const PlanInput& whole) noexcept
     if (whole.measuredMs >= 0.0) input.measuredMs = std::max(whole.measuredMs - whole.sharedMs, 0.0);
     report.feasible = report.cheapestMs <= input.budgetMs;
     planWithinBudget(input, report);
+    tryDear(input, report);
     started_ = true;
     report.partsMs = greedy_.msOf(partsInUse());
     report.predictedMs = sumOf(current_).ms;

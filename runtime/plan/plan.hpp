@@ -51,6 +51,7 @@ struct LightMemory {
     uint64_t bannedUntil = 0;  ///< Frame: the light does not go back to `previous` before.
     uint64_t nearUntil = 0;    ///< Frame: the floor holds until then, though it is no longer asked for.
     float nearQuality = 0.0f;  ///< What it asks.
+    bool onTrial = false;      ///< The incumbent serves for kTrialFrames so that its time is known.
 };
 
 struct LightRequest {
@@ -116,6 +117,7 @@ struct LightPlan {
     bool floor = false;      ///< Near, or was within the frames of a flip.
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
     bool waits = false;      ///< What no light was timed with is another light's to try.
+    bool onTrial = false;    ///< Nothing keeps the budget, and what is thought dearer is tried.
     bool switched = false;
     bool flipped = false;
 };
@@ -165,6 +167,9 @@ inline double roomForChangeMs(double ms, double likelyMs, double firstFrameMs) n
 /// Frames from a change to a method that no light was timed with until its time is known, at the latest: four that are
 /// timed (cost::kLearnFrames), and two until timings come.
 inline constexpr uint32_t kTrialFrames = 6;
+/// Nothing must have kept the budget for so long before what is thought too dear is tried: two seconds at 60 Hz. In
+/// recorded traces, which the model knows, it takes up to 83 frames until the view has moved on.
+inline constexpr uint32_t kBrokenFrames = 120;
 /// What shows as much as the incumbent is taken for its price if it takes this share less.
 inline constexpr double kClearlyLess = 0.2;
 
@@ -209,6 +214,7 @@ private:
     double findTarget(const PlanInput& input, double headroom, PlanReport& report) noexcept;
     void improve(const PlanInput& input, double limitMs, PlanReport& report) noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double limitMs) noexcept;
+    void tryDear(const PlanInput& input, PlanReport& report) noexcept;
     void payUntil(double limitMs) noexcept;
     void takeTarget() noexcept;
     uint32_t partsInUse() const noexcept;
@@ -240,6 +246,8 @@ private:
     uint32_t lightCount_ = 0, methods_ = 0;
     uint32_t orderedMethods_ = 0; ///< Stride of orders_; 0: they are to be made anew.
     uint32_t calmFrames_ = 0;     ///< In a row within the budget.
+    uint32_t brokenFrames_ = 0;   ///< In a row in which nothing kept the budget, and
+    double savedMs_ = 0.0;        ///< what was saved up in them, for trials.
     bool started_ = false;
 };
 

@@ -25,8 +25,9 @@ void PlanStep::remember(const PlanInput& input, PlanReport& report) noexcept
                        input.frame - memory.switchedAt <= hysteresis.flipWindowFrames;
         report.switches += plan.switched;
         report.flips += plan.flipped;
-        memory.previous = input.cut ? kNone : memory.incumbent;
+        memory.previous = input.cut || plan.onTrial ? kNone : memory.incumbent;
         memory.incumbent = plan.chosen;
+        memory.onTrial = plan.onTrial;
         memory.switchedAt = input.frame;
         memory.bannedUntil = input.frame + 1 + (plan.flipped ? hysteresis.flipBanFrames : hysteresis.flipWindowFrames);
     }
@@ -55,7 +56,7 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, const PlanRe
             if (held == kNone || value > values_[at(light, held)]) held = m;
         }
     }
-    if (held == kNone)
+    if (held == kNone || plan.onTrial)
         plan.hold = Hold::none;
     else if (plan.hold == Hold::none || values_[at(light, plan.wanted)] <= plan.benefit) {
         const LightMemory& memory = *input.lights[light].memory;

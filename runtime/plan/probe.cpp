@@ -4,27 +4,18 @@
 #include <cmath>
 
 namespace gnomon::plan {
-namespace {
 
-struct Guess {
-    double ms = 0.0, sigmaMs = 0.0;
-};
-
-/// Candidate::ms may be one standard error above what is expected.
-Guess guessOf(const Candidate& candidate) noexcept
+Guess::Guess(const Candidate& candidate) noexcept
+    : ms(candidate.likelyMs > 0.0 ? std::min(candidate.likelyMs, candidate.ms) : candidate.ms),
+      sigmaMs(std::max(candidate.ms - ms, candidate.sigmaMs))
 {
-    const double likelyMs = candidate.likelyMs > 0.0 ? std::min(candidate.likelyMs, candidate.ms) : candidate.ms;
-    return {likelyMs, std::max(candidate.ms - likelyMs, candidate.sigmaMs)};
 }
 
-/// How many standard errors below its prediction a method must take to be cheaper than `ownMs`; < 0: its time is known.
-double sigmasToWin(const Guess& guess, double ownMs) noexcept
+double Guess::sigmasToWin(double ownMs) const noexcept
 {
-    if (!std::isfinite(guess.ms) || !(guess.sigmaMs > kSure * guess.ms)) return -1.0;
-    return std::max(0.0, (guess.ms - ownMs) / guess.sigmaMs);
+    if (!std::isfinite(ms) || !(sigmaMs > kSure * ms)) return -1.0;
+    return std::max(0.0, (ms - ownMs) / sigmaMs);
 }
-
-} // namespace
 
 Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport& report,
                   const ProbeLimits& limits) noexcept
@@ -40,8 +31,8 @@ Probe chooseProbe(const PlanInput& input, const PlanStep& plan, const PlanReport
         for (uint32_t m = 0; m < input.methods; ++m) {
             const Candidate& candidate = input.candidates[size_t{light} * input.methods + m];
             if (m == own.chosen || !plan.mayServe(light, m) || plan.benefitOf(light, m) < own.benefit) continue;
-            const Guess guess = guessOf(candidate);
-            const double needed = sigmasToWin(guess, own.ms);
+            const Guess guess(candidate);
+            const double needed = guess.sigmasToWin(own.ms);
             if (needed < 0.0 || needed > limits.sigmas) continue;
             const double upperMs = std::max(candidate.ms, guess.ms + limits.sigmas * guess.sigmaMs);
             const double wasteMs =

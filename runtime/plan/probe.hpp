@@ -18,6 +18,15 @@ inline constexpr double kSure = 0.15;
 /// Share of the last second's shadow time that a probe may cost beyond what the light's own method takes.
 inline constexpr double kMostWaste = 0.02;
 
+/// What is expected of a method; Candidate::ms may be one standard error above.
+struct Guess {
+    double ms = 0.0, sigmaMs = 0.0;
+
+    explicit Guess(const Candidate& candidate) noexcept;
+    /// How many standard errors less than expected it must take to be cheaper than `ownMs`; < 0: its time is known.
+    double sigmasToWin(double ownMs) const noexcept;
+};
+
 struct ProbeLimits {
     double sigmas = 2.0;       ///< >= 0, the rule base's `probing.sigma`.
     double frames = 1.0;       ///< That a probe runs for.

@@ -258,7 +258,8 @@ void takePlan(const plan::LightPlan& plan, LightDecision& decision) noexcept
     if (plan.chosen == plan::kNone || plan.chosen == decision.method) return;
     if (isByRules(decision.reason)) {
         decision.wanted = decision.method;
-        decision.reason = reasonOf(plan, decision.wanted, decision.candidates[decision.wanted].why);
+        decision.reason =
+            plan.onTrial ? GN_REASON_TRIAL : reasonOf(plan, decision.wanted, decision.candidates[decision.wanted].why);
     }
     decision.method = plan.chosen;
 }

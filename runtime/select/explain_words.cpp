@@ -36,7 +36,7 @@ const char* reasonText(GnReason reason)
     case GN_REASON_UNSEEN:
         return "no pixel can be in its range: nothing runs, visibility is 1";
     case GN_REASON_TRIAL:
-        return "on trial for a few frames: it shows as much and may be cheaper";
+        return "on trial for a few frames, so that its time is known: it may be cheaper";
     case GN_REASON_MAX_ENUM:
         break;
     }

@@ -228,6 +228,12 @@ TEST_CASE("the reason is what keeps the best suited method, not what holds the p
     CHECK(reason(1, plan::Why::budget) == GN_REASON_BUDGET);
     CHECK(reason(1, plan::Why::hysteresis) == GN_REASON_HELD);
     CHECK(reason(0, plan::Why::hysteresis) == GN_REASON_HELD);
+    std::vector<Candidate> candidates(3);
+    LightDecision tried;
+    tried.candidates = candidates;
+    tried.method = 0;
+    takePlan({.chosen = 2, .wanted = 0, .onTrial = true}, tried);
+    CHECK(tried.reason == GN_REASON_TRIAL);
 }
 
 TEST_CASE("rules that ask for the budget do not take turns with their own effect")

@@ -1,7 +1,10 @@
 // What no light was timed with is tried on one light at a time.
+#include "runtime/plan/probe.hpp"
+
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "tests/plan/plan_scene.hpp"
 
@@ -100,6 +103,66 @@ TEST_CASE("a broken budget is repaired by what was timed, and by what was not on
     report = bare.step();
     CHECK(report.predictedMs <= 5.0);
     CHECK(served(bare, kNew) == kLights);
+}
+
+TEST_CASE(
+    "where nothing keeps the budget, one light at a time tries what is thought dearer, for a fiftieth of all time")
+{
+    constexpr uint32_t kLights = 4;
+    Scene scene(kLights, cheapAndGood());
+    scene.input.budgetMs = 3.0; // all need 4 ms with the cheap one
+    setMethod(scene, kGood, {.suitability = 2048, .quality = 0.7f, .ms = 4.0, .likelyMs = 2.5, .familiar = false});
+    double allMs = 0.0, wasteMs = 0.0;
+    std::array<uint32_t, kLights> frames{};
+    for (uint32_t frame = 0; frame < 1200; ++frame) {
+        const PlanReport report = scene.step();
+        CHECK_FALSE(report.feasible);
+        CHECK(report.flips == 0);
+        CHECK(served(scene, kGood) <= 1);
+        for (uint32_t light = 0; light < kLights; ++light) {
+            const bool tries = scene.chosen(light) == kGood;
+            CHECK(scene.plan.lights()[light].onTrial == tries);
+            frames[light] += tries;
+        }
+        allMs += report.predictedMs;
+        wasteMs += report.predictedMs - kLights;
+        CHECK(wasteMs <= kMostWaste * allMs + 4.0 * kTrialFrames); // the trial that runs was saved up for
+    }
+    CHECK(wasteMs <= kMostWaste * allMs);
+    uint32_t trials = 0;
+    for (const uint32_t each : frames) {
+        CHECK(each % kTrialFrames == 0);
+        trials += each / kTrialFrames;
+    }
+    CHECK(trials >= 4); // its timings never come
+    setMethod(scene, kGood, {.suitability = 2048, .quality = 0.7f, .ms = 0.5});
+    CHECK(scene.step().predictedMs <= 3.0);
+    CHECK(served(scene, kGood) >= kLights - 1); // one may have just left it
+}
+
+TEST_CASE("a broken budget is no reason to try what could not keep it with any luck")
+{
+    const auto tries = [](double ms, double likelyMs, double budgetMs, uint32_t everyFrames = 60) {
+        Scene scene(4, cheapAndGood());
+        gnomon::rules::Policy policy;
+        policy.probing.everyFrames = everyFrames;
+        scene.input.policy = &policy;
+        scene.input.budgetMs = budgetMs;
+        setMethod(scene, kGood,
+                  {.suitability = 2048, .quality = 0.7f, .ms = ms, .likelyMs = likelyMs, .familiar = false});
+        for (uint32_t frame = 0; frame < 600; ++frame) {
+            scene.step();
+            if (served(scene, kGood) > 0) return true;
+        }
+        return false;
+    };
+    CHECK(tries(3.6, 2.5, 3.0));
+    CHECK_FALSE(tries(3.6, 2.5, 3.0, 0)); // the rules want nothing tried
+    CHECK_FALSE(tries(2.6, 2.5, 3.0));    // it is known to be dearer
+    CHECK_FALSE(tries(3.0, 2.5, 3.0));    // it would need three standard errors of luck
+    CHECK(tries(3.6, 2.5, 1.3));
+    CHECK_FALSE(tries(3.6, 2.5, 1.1)); // two less than expected are 0.3 ms, of all lights 1.2
+    CHECK_FALSE(tries(3.6, 2.5, 5.0)); // the budget is kept
 }
 
 TEST_CASE("a light that comes takes what was timed where anything was")
