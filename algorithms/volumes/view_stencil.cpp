@@ -214,6 +214,14 @@ bool mirrors(const CameraView& view)
     return p[0][0] * p[1][1] * view.ahead() * glm::determinant(view.viewFromWorld) < 0.0f;
 }
 
+/// w of the far corners of a volume without an end. 0 is infinity, which a perspective shows as any other place.
+/// Parallel rays all meet it at one point, and what ends there would be missed by every pixel: 2^20 times as far as the
+/// light is behind all receivers of a scene of a kilometre from a millimetre on.
+float farW(const CameraView& view)
+{
+    return gpu::isOrthographic(view.constants) ? 0x1p-20f : 0.0f;
+}
+
 gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& light, bool bounded)
 {
     const bool directional = light.type == GN_LIGHT_TYPE_DIRECTIONAL;
@@ -227,7 +235,7 @@ gpu::VolumeConstants volumeConstants(const CameraView& view, const LightView& li
     block.clipFromEye = clipFromEye(view);
     block.lightEs = directional ? glm::vec4(light.direction(), 0.0f) : glm::vec4(light.position() - view.eye, 1.0f);
     block.nearLowerEs = glm::vec4(nearBounds.lower - view.eye, bounded ? 1.0f : 0.0f);
-    block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, 0.0f);
+    block.nearUpperEs = glm::vec4(nearBounds.upper - view.eye, farW(view));
     block.rangeLowerEs = glm::vec4(range.lower - view.eye, 0.0f);
     block.rangeUpperEs = glm::vec4(range.upper - view.eye, 0.0f);
     return block;

@@ -20,6 +20,7 @@ vec4 receiverPlane(vec3 reach)
     vec3 margin = vec3(1e-3 + (1.0 / 4096.0) * max(upper.x - lower.x, max(upper.y - lower.y, upper.z - lower.z)));
     vec4 plane = extrusionPlane(constants.lightEs, reach, lower - margin, upper + margin);
     // Not an early return: with one Mesa 22.3 compiles a shader that samples as well anew for every draw.
-    return constants.nearLowerEs.w == 0.0 ? vec4(0.0) : plane;
+    bool ends = constants.nearLowerEs.w != 0.0 && plane.xyz != vec3(0.0);
+    return ends ? plane : vec4(vec3(0.0), constants.nearUpperEs.w);
 }
 #endif

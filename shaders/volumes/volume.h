@@ -12,7 +12,7 @@ struct VolumeConstants {
     mat4 clipFromEye; // clip = clipFromEye * vec4(positionEs, 1)
     vec4 lightEs;     // xyz metres, w = 1; directional: unit direction in which light travels, w = 0
     vec4 nearLowerEs; // xyz: bounds of the view's near rectangle; w: 1 ends volumes behind the receivers, 0 at infinity
-    vec4 nearUpperEs;
+    vec4 nearUpperEs; // w: where a volume has no end, the w of its far corners
     vec4 rangeLowerEs; // xyz: bounds of all that the light can reach
     vec4 rangeUpperEs;
 };
@@ -87,12 +87,13 @@ GN_SHARED_FN vec4 extrusionPlane(vec4 light, vec3 reach, vec3 lower, vec3 upper)
     return plane;
 }
 
-// A point moved along its light ray onto the plane, homogeneous; to infinity where there is no plane.
+// A point moved along its light ray onto the plane, homogeneous; where there is no plane to infinity, or 1 / plane.w
+// times as far as the light is.
 GN_SHARED_FN vec4 extruded(vec3 p, vec4 light, vec4 plane)
 {
     vec3 ray = light.w != 0.0f ? p - vec3(light) : vec3(light);
     vec3 normal = vec3(plane);
-    if (normal == vec3(0.0f, 0.0f, 0.0f)) return vec4(ray, 0.0f);
+    if (normal == vec3(0.0f, 0.0f, 0.0f)) return vec4(ray + p * plane.w, plane.w);
     float along = max(dot(normal, ray), 0.0f); // below 0 by rounding only
     float rest = plane.w - dot(normal, p);
     return vec4(p * along + ray * rest, along); // (p + ray * rest / along), without the division
