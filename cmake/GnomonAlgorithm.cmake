@@ -23,15 +23,16 @@ function(_gnomon_add_module name)
     list(TRANSFORM ARG_SOURCES PREPEND "${family}/")
     target_sources(gnomon_algorithms PRIVATE ${ARG_SOURCES})
     target_link_libraries(gnomon_algorithms PRIVATE ${ARG_LIBRARIES})
-    gnomon_embed_shaders(gnomon_algorithms SHADERS ${ARG_SHADERS})
+    gnomon_embed_shaders(gnomon_algorithms SHADERS ${ARG_SHADERS} BRANCHING ${ARG_BRANCHING})
     list(JOIN ARG_SOURCES " " sources)
     set_property(GLOBAL APPEND PROPERTY GNOMON_MODULES "${name} ${family} ${sources}")
 endfunction()
 
-# gnomon_shared(SOURCES a.cpp ... [SHADERS family/a.frag ...] [NEEDS embree openmesh ...] [LIBRARIES target ...])
+# gnomon_shared(SOURCES a.cpp ... [SHADERS family/a.frag ...] [BRANCHING ...] [NEEDS embree openmesh ...]
+#     [LIBRARIES target ...])
 # What several algorithms of a family use. Left out where a need is not met.
 function(gnomon_shared)
-    cmake_parse_arguments(PARSE_ARGV 0 ARG "" "" "SOURCES;SHADERS;NEEDS;LIBRARIES")
+    cmake_parse_arguments(PARSE_ARGV 0 ARG "" "" "SOURCES;SHADERS;BRANCHING;NEEDS;LIBRARIES")
     _gnomon_missing_needs(missing ${ARG_NEEDS})
     if(NOT missing)
         _gnomon_add_module("-")
@@ -41,9 +42,9 @@ endfunction()
 # gnomon_algorithm(shadow_map SOURCES shadow_map.cpp ... [SHADERS ...] [NEEDS ...] [LIBRARIES ...])
 # One algorithm of the folder's family: NAME.cpp defines its AlgorithmEntry, kShadowMap for shadow_map, which the header
 # algorithms/entries.hpp, made here, declares. Where suitability is the same the algorithm that was named first serves.
-# Entries of SHADERS are those of gnomon_embed_shaders().
+# Entries of SHADERS and BRANCHING are those of gnomon_embed_shaders().
 function(gnomon_algorithm name)
-    cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;SHADERS;NEEDS;LIBRARIES")
+    cmake_parse_arguments(PARSE_ARGV 1 ARG "" "" "SOURCES;SHADERS;BRANCHING;NEEDS;LIBRARIES")
     if(ARG_UNPARSED_ARGUMENTS)
         message(FATAL_ERROR "gnomon_algorithm(${name}): unknown words ${ARG_UNPARSED_ARGUMENTS}")
     endif()
