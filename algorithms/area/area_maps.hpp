@@ -28,7 +28,7 @@ struct PointMap {
 /// What methods of maps from points serve, and what of a light without a surface's pixels they get wrong: shadow_map's
 /// at half its side.
 inline constexpr GnTraits kAreaTraits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT |
-                                        GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_RECTANGLE_BIT;
+                                        GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_FLAT_SOURCE_BIT;
 inline constexpr float kAreaWrongPercent = 1.0f;
 
 /// Declares the pass that draws it. @param task its light has no surface, and lives as long as the frame

@@ -57,7 +57,7 @@ Result<std::string> Context::answer(GnView viewHandle, GnLight light, const GnQu
         const Method& method = (*methods_)[i];
         methods.push_back({method.name, method.unavailable ? method.unavailable : "", method.has(GN_TRAIT_RAYS_BIT),
                            method.has(GN_TRAIT_DEVICE_RAYS_BIT),
-                           method.has(GN_TRAIT_SOFT_PENUMBRA_BIT) && !method.has(GN_TRAIT_RECTANGLE_BIT)});
+                           method.has(GN_TRAIT_SOFT_PENUMBRA_BIT) && !method.has(GN_TRAIT_FLAT_SOURCE_BIT)});
     }
     const std::shared_ptr<const rules::Engine> engine = view->records.rules(record->frame);
     const ExplainWords words{

@@ -24,7 +24,7 @@ std::vector<std::string> traitWords(GnTraits traits)
         {GN_TRAIT_PLANAR_BIT, "planar"},
         {GN_TRAIT_DEVICE_RAYS_BIT, "deviceRays"},
         {GN_TRAIT_GPU_POSITIONS_BIT, "gpuPositions"},
-        {GN_TRAIT_RECTANGLE_BIT, "rectangle"},
+        {GN_TRAIT_FLAT_SOURCE_BIT, "flatSource"},
         {GN_TRAIT_GPU_TRANSFORMS_BIT, "gpuTransforms"},
     };
     std::vector<std::string> words;

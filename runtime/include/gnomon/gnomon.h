@@ -438,7 +438,7 @@ typedef enum GnTraitBits {
                                         ///< built-in methods alone.
     GN_TRAIT_GPU_POSITIONS_BIT = 0x2000, ///< Reads positions on the GPU alone: sees meshes in buffers that are written
                                          ///< in every frame; with topology once they have been copied in some pose.
-    GN_TRAIT_RECTANGLE_BIT = 0x4000,     ///< Shows penumbrae of rectangles and discs (#GnSourceShape) as they are.
+    GN_TRAIT_FLAT_SOURCE_BIT = 0x4000,   ///< Shows penumbrae of rectangles and discs (#GnSourceShape) as they are.
     GN_TRAIT_GPU_TRANSFORMS_BIT = 0x8000, ///< Reads transforms on the GPU alone: sees instances that have theirs in a
                                           ///< buffer (GnTransformBuffer). Of built-in methods alone.
     GN_TRAIT_MAX_ENUM = 0x7FFFFFFF

@@ -257,10 +257,10 @@ typedef enum GnSourceShape {
     GN_SOURCE_SHAPE_SPHERE = 0,    ///< Of `sourceRadius`, counted as the disc that it turns to a receiver. Directional:
                                    ///< a disc in the sky.
     GN_SOURCE_SHAPE_RECTANGLE = 1, ///< Spot: around `position`, across `direction`. Methods with
-                                   ///< #GN_TRAIT_RECTANGLE_BIT show its penumbra; others with penumbrae count it as a
+                                   ///< #GN_TRAIT_FLAT_SOURCE_BIT show its penumbra; others with penumbrae count it as a
                                    ///< disc of the same area, and #GN_QUESTION_WHY says so.
     GN_SOURCE_SHAPE_DISC = 2,      ///< Spot: of `sourceRadius` around `position`, across `direction`. Methods with
-                                   ///< #GN_TRAIT_RECTANGLE_BIT show its penumbra; others with penumbrae count it as a
+                                   ///< #GN_TRAIT_FLAT_SOURCE_BIT show its penumbra; others with penumbrae count it as a
                                    ///< sphere of the same radius, and #GN_QUESTION_WHY says so.
     GN_SOURCE_SHAPE_MAX_ENUM = 0x7FFFFFFF
 } GnSourceShape;
