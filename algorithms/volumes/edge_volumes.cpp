@@ -13,34 +13,16 @@ namespace gnomon {
 
 namespace {
 
-const Topology& listedTopology(const MeshView& mesh)
-{
-    return mesh.topology ? *mesh.topology : *mesh.connectivity;
-}
-
-BufferInfo listInfo(const MeshView& mesh)
-{
-    return {.name = "volumes.edges",
-            .scope = Scope::scene,
-            .size = edgeListSize(listedTopology(mesh)).bytes(),
-            .variant = mesh.id};
-}
-
 /// The list of the mesh: built when its positions are new, and kept whatever lights and casters do. Where the GPU alone
 /// knows the positions, built once for its connectivity.
 BufferId declareEdges(PassBuilder& passes, const MeshView& mesh)
 {
-    const auto [list, due] = passes.keptList(listInfo(mesh), mesh.topology ? mesh.revision : mesh.connectivityRevision);
-    if (!due) {
-        passes.kept();
-        return list;
-    }
-    const Topology* topology = &listedTopology(mesh);
-    passes.prepare("volumes.edges", Scope::scene, mesh.id).writes(list).run([topology, list = list](HostContext& host) {
-        writeEdgeList(*topology, host.write<std::uint32_t>(list));
-        host.countIndexList();
-    });
-    return list;
+    const Topology& topology = topologyOf(mesh);
+    return declareMeshList(passes, mesh, "volumes.edges", edgeListSize(topology).bytes(),
+                           [&topology](HostContext& host, BufferId list) {
+                               writeEdgeList(topology, host.write<std::uint32_t>(list));
+                               host.countIndexList();
+                           });
 }
 
 /// Of one mesh.
@@ -133,7 +115,7 @@ const char* refusesEdgeVolumes(const DeviceTable& vk, const ShadowTask& task)
     const VkPhysicalDeviceLimits& limits = vk.properties.limits;
     for (const Caster* caster : task.casters->all) {
         if (!castsVolume(*caster) && !castsByConnectivity(*caster)) continue;
-        const EdgeListSize size = edgeListSize(listedTopology(*caster->mesh));
+        const EdgeListSize size = edgeListSize(topologyOf(*caster->mesh));
         if (size.largestIndex() > limits.maxDrawIndexedIndexValue || !fitsBinding(vk, size.bytes()))
             return "a caster has more edges than the device can index";
     }

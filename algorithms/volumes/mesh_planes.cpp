@@ -9,6 +9,12 @@
 
 namespace gnomon {
 
+void dispatchInRows(PassContext& gpu, std::uint32_t items, std::uint32_t size)
+{
+    const std::uint32_t groups = (items + size - 1) / size, across = std::clamp(groups, 1u, 65535u);
+    gpu.vk->vkCmdDispatch(gpu.cmd, across, (groups + across - 1) / across, 1);
+}
+
 PipelineId makeFindPlanes(const AlgorithmServices& services)
 {
     constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
@@ -23,27 +29,32 @@ PipelineId makeFindPlanes(const AlgorithmServices& services)
 BufferId declareCorners(PassBuilder& passes, const MeshView& mesh)
 {
     const std::span<const std::uint32_t> corners = mesh.connectivity->faceVerts;
-    const auto [list, due] = passes.keptList(
-        {.name = "volumes.mesh_corners", .scope = Scope::scene, .size = corners.size_bytes(), .variant = mesh.id},
-        mesh.connectivityRevision);
-    if (!due) {
-        passes.kept();
-        return list;
-    }
-    passes.prepare("volumes.mesh_corners", Scope::scene, mesh.id)
-        .writes(list)
-        .run([corners, list = list](HostContext& host) {
-            std::copy(corners.begin(), corners.end(), host.write<std::uint32_t>(list).begin());
-        });
-    return list;
+    return declareMeshList(passes, mesh, "volumes.mesh_corners", corners.size_bytes(),
+                           [corners](HostContext& host, BufferId list) {
+                               std::copy(corners.begin(), corners.end(), host.write<std::uint32_t>(list).begin());
+                           });
+}
+
+VkDeviceSize planesBytes(const Topology& topology)
+{
+    return sizeof(glm::vec4) * topology.facePlanes.size();
 }
 
 BufferId declarePlanes(PassBuilder& passes, const MeshView& mesh, PipelineId find)
 {
+    if (const Topology* topology = mesh.topology)
+        return declareMeshList(passes, mesh, "volumes.mesh_planes", planesBytes(*topology),
+                               [topology](HostContext& host, BufferId list) {
+                                   const std::span<glm::vec4> planes = host.write<glm::vec4>(list);
+                                   for (std::size_t face = 0; face < topology->facePlanes.size(); ++face)
+                                       planes[face] = topology->facePlanes[face];
+                               });
     const auto faces = static_cast<std::uint32_t>(mesh.connectivity->facePlanes.size());
     const BufferId corners = declareCorners(passes, mesh);
-    const BufferId planes = passes.persistent(BufferInfo{
-        .name = "volumes.mesh_planes", .scope = Scope::scene, .size = sizeof(glm::vec4) * faces, .variant = mesh.id});
+    const BufferId planes = passes.persistent(BufferInfo{.name = "volumes.mesh_planes",
+                                                         .scope = Scope::scene,
+                                                         .size = planesBytes(*mesh.connectivity),
+                                                         .variant = mesh.id});
     if (!passes.stale(planes, mesh.revision)) {
         passes.kept();
         return planes;
@@ -52,13 +63,10 @@ BufferId declarePlanes(PassBuilder& passes, const MeshView& mesh, PipelineId fin
         .reads(corners)
         .writes(planes)
         .record([=, positions = mesh.vertexBuffer](PassContext& context) {
-            constexpr std::uint32_t kGroupsInRow = 65535; // Vulkan promises no more
-            const std::uint32_t groups = (faces + gpu::PLANES_GROUP - 1) / gpu::PLANES_GROUP;
-            const std::uint32_t across = std::min(groups, kGroupsInRow);
             context.bind(find,
                          {context.storage(0, positions), context.storage(1, corners), context.storage(2, planes)});
             context.push(gpu::MeshPlanesPush{.faces = faces});
-            context.vk->vkCmdDispatch(context.cmd, across, (groups + across - 1) / across, 1);
+            dispatchInRows(context, faces, gpu::PLANES_GROUP);
         });
     return planes;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Volumes of casters whose positions the GPU alone knows: sides and caps found by compute shaders from the planes of
-// their faces, in the form of volume_list.hpp. The CPU knows edges and faces, but not where they are.
+// Sides and caps found by compute shaders from edges, faces and planes of meshes, in the form of volume_list.hpp: of
+// casters whose positions the GPU alone knows, and of all where a method asks for it.
 #include "algorithms/volumes/volume_draw.hpp"
 
 namespace gnomon {
@@ -10,13 +10,13 @@ struct MeshVolumePipelines {
 };
 MeshVolumePipelines makeMeshVolumePipelines(const AlgorithmServices& services);
 
-/// Declares the lists of a task's casters of that kind, if there are any, and adds those volumes that the view can see:
-/// sides once per light, caps of those that z-fail counts. Each caster is one volume, since bounds of clusters are of
-/// another pose.
-void addMeshVolumes(PassBuilder& passes, const ShadowTask& task, const MeshVolumePipelines& pipelines, bool zFailForAll,
-                    VolumePlan& plan);
+/// The list of these pieces, with commands and indices that the device writes. @param info its name is the pass's, too.
+/// @param stamp of light and casters: unchanged, the list is kept. @pre caps: pieces of whole meshes
+BufferId declareFound(PassBuilder& passes, const LightView& light, const MeshVolumePipelines& pipelines, ListKind kind,
+                      std::span<const VolumePiece> pieces, const BufferInfo& info, std::uint64_t stamp);
 
-/// Why the device cannot make them, or null. Static storage.
-const char* refusesMeshVolumes(const DeviceTable& vk, const ShadowTask& task);
+/// Why the device cannot make them, or null. Static storage. @param all sides of casters whose positions the CPU knows,
+/// too
+const char* refusesMeshVolumes(const DeviceTable& vk, const ShadowTask& task, bool all);
 
 } // namespace gnomon

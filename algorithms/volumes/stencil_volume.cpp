@@ -7,7 +7,6 @@
 #include "algorithms/entries.hpp"
 
 #include "algorithms/shared/caster_lists.hpp"
-#include "algorithms/volumes/gpu_silhouettes.hpp"
 #include "algorithms/volumes/mesh_volumes.hpp"
 #include "algorithms/volumes/volume_count.hpp"
 #include "algorithms/volumes/volume_cull.hpp"
@@ -34,23 +33,21 @@ class StencilVolume final : public ShadowAlgorithm {
 public:
     explicit StencilVolume(const AlgorithmServices& services)
         : vk_(*services.vk), pipelines_(makeVolumeCountPipelines(services, kNames)),
-          view_(makeViewStencilPipelines(services)), silhouettes_(makeGpuSilhouettes(services)),
-          meshes_(makeMeshVolumePipelines(services)), cull_(makeVolumeCullPipelines(services))
+          view_(makeViewStencilPipelines(services)), meshes_(makeMeshVolumePipelines(services)),
+          cull_(makeVolumeCullPipelines(services))
     {
     }
     void declare(PassBuilder& passes, const ShadowTask& task) override;
     const char* refuses(const ShadowTask& task) const override
     {
         const char* reason = refusesVolumes(vk_, task);
-        if (!reason) reason = refusesMeshVolumes(vk_, task);
-        return reason || task.settings[kSilhouettes] == 0.0 ? reason : refusesGpuSides(vk_, task);
+        return reason ? reason : refusesMeshVolumes(vk_, task, task.settings[kSilhouettes] != 0.0);
     }
 
 private:
     const DeviceTable& vk_;
     VolumeCountPipelines pipelines_;
     ViewStencilPipelines view_;
-    GpuSilhouettes silhouettes_;
     MeshVolumePipelines meshes_;
     VolumeCullPipelines cull_;
 };
@@ -69,7 +66,7 @@ void StencilVolume::declare(PassBuilder& passes, const ShadowTask& task)
     const ViewStencil stencil = declareViewStencil(passes, view_, task);
     const bool zFailForAll = task.settings[kZFail] != 0.0;
     VolumePlan* volumes = planVolumes(passes, task, stencil, task.settings[kBounded] != 0.0, zFailForAll,
-                                      task.settings[kSilhouettes] != 0.0 ? &silhouettes_ : nullptr);
+                                      task.settings[kSilhouettes] != 0.0 ? &meshes_ : nullptr);
     addMeshVolumes(passes, task, meshes_, zFailForAll, *volumes);
     if (task.settings[kExtents] != 0.0 && canReadLists(vk_, task)) {
         CulledList lists[2];

@@ -240,21 +240,21 @@ void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll)
 }
 
 VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing,
-                   std::uint32_t variant)
+                   std::uint32_t variant, const MeshVolumePipelines* device)
 {
     const std::span<const VolumeDraw> failing = plan.zFail.subspan(firstFailing);
     const std::span<VolumeSource> volumes = passes.arena().array<VolumeSource>(failing.size());
     for (std::size_t i = 0; i < failing.size(); ++i)
         volumes[i] = failing[i].source;
-    const VolumeList caps = declareCaps(passes, task, volumes, variant);
+    const VolumeList caps = declareCaps(passes, task, volumes, variant, device);
     collectDraws(plan, caps, [&](const VolumeDraw& draw) { append(plan.caps, draw); });
     return caps;
 }
 
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
-                        bool zFailForAll, const GpuSilhouettes* shader)
+                        bool zFailForAll, const MeshVolumePipelines* device)
 {
-    const VolumeList sides[2] = {declareSides(passes, task, true, shader), declareSides(passes, task, false, shader)};
+    const VolumeList sides[2] = {declareSides(passes, task, true, device), declareSides(passes, task, false, device)};
     return planVolumes(passes, task, stencil, sides, bounded, zFailForAll);
 }
 
@@ -269,6 +269,15 @@ VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewS
         plan->lists[2 + i] = addCaps(passes, task, *plan, firstFailing, i);
     }
     return plan;
+}
+
+void addMeshVolumes(PassBuilder& passes, const ShadowTask& task, const MeshVolumePipelines& device, bool zFailForAll,
+                    VolumePlan& plan)
+{
+    const std::size_t firstFailing = plan.zFail.size();
+    plan.lists[4] = declareMeshSides(passes, task, device);
+    addSides(plan, plan.lists[4], zFailForAll);
+    plan.lists[5] = addCaps(passes, task, plan, firstFailing, kMeshVariant, &device);
 }
 
 void usesVolumes(PassRef& pass, const VolumePlan& plan)

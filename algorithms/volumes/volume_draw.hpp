@@ -52,7 +52,7 @@ struct VolumePlan {
     const LightView* light = nullptr;
     std::span<VolumeDraw> zPass, zFail, caps; ///< zFail: sides.
     VolumeList
-        lists[6]; ///< Sides of static casters, of moving ones, caps of either; of addMeshVolumes(), without pieces.
+        lists[6]; ///< Sides of static casters, of moving ones, caps of either; sides and caps of addMeshVolumes().
     BufferId commands[4];                 ///< Made of those of the lists; null ids: none.
     std::span<const BufferId> meshLists;  ///< Of allEdges.
     std::span<const BufferId> planeLists; ///< Likewise: VolumeDraw::planes.
@@ -63,9 +63,9 @@ struct VolumePlan {
 
 /// Declares the lists and picks the volumes that the view can see. z-pass counts those that cannot hold any of the near
 /// rectangle, z-fail the others, or all.
-/// @param shader null: silhouettes are found on the CPU
+/// @param device null: silhouettes are found on the CPU
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil, bool bounded,
-                        bool zFailForAll, const GpuSilhouettes* shader = nullptr);
+                        bool zFailForAll, const MeshVolumePipelines* device = nullptr);
 /// The same from sides that are declared already, of the static and of the moving casters.
 VolumePlan* planVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStencil& stencil,
                         std::span<const VolumeList, 2> sides, bool bounded, bool zFailForAll);
@@ -105,8 +105,12 @@ VolumeDraw asFailing(const VolumePlan& plan, VolumeDraw draw);
 /// Adds those volumes of a list of sides that the view can see.
 void addSides(VolumePlan& plan, const VolumeList& sides, bool zFailForAll);
 /// Adds the caps, in task scope, of the draws from `firstFailing` on that z-fail counts. @return their list
+/// @param device of declareCaps()
 VolumeList addCaps(PassBuilder& passes, const ShadowTask& task, VolumePlan& plan, std::size_t firstFailing,
-                   std::uint32_t variant);
+                   std::uint32_t variant, const MeshVolumePipelines* device = nullptr);
+/// Adds the volumes of casters whose positions the GPU alone knows, sides and caps.
+void addMeshVolumes(PassBuilder& passes, const ShadowTask& task, const MeshVolumePipelines& device, bool zFailForAll,
+                    VolumePlan& plan);
 inline void append(std::span<VolumeDraw>& draws, const VolumeDraw& draw)
 {
     draws = {draws.data(), draws.size() + 1};

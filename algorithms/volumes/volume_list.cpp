@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "algorithms/shared/caster_lists.hpp"
-#include "algorithms/volumes/gpu_silhouettes.hpp"
+#include "algorithms/volumes/mesh_volumes.hpp"
 #include "algorithms/volumes/silhouette.hpp"
 
 namespace gnomon {
@@ -13,25 +12,27 @@ namespace {
 // Edges or faces a piece: a few microseconds of work, against about one to hand it to a thread.
 constexpr std::uint32_t kPieceSize = 8192;
 
+// On the device every piece is a dispatch, so that a volume has one. A mesh of more edges would fit no buffer.
+constexpr std::uint32_t kDevicePieceSize = 1u << 28;
+
 // Of a side, and of a near and a far cap together. Every piece starts at a multiple of it, so that a shader that reads
 // the list (penumbra_wedges) knows from an index where its side starts.
 constexpr std::uint32_t kIndicesPerSide = 6;
-
-enum class ListKind : std::uint8_t { sides, caps };
 
 /// Everything the building pass needs, in the frame's arena.
 struct ListBuild {
     VolumeList list;
     ListKind kind = ListKind::sides;
+    std::uint32_t pieceSize = kPieceSize;
     const LightView* light = nullptr;
     std::span<const VolumePiece> facePieces; ///< `first` and `count` are faces.
     std::uint32_t faceCount = 0;             ///< Bytes of scratch.
     std::uint32_t casterCount = 0;
 };
 
-std::uint32_t pieceCount(std::size_t items)
+std::uint32_t pieceCount(std::size_t items, std::uint32_t pieceSize = kPieceSize)
 {
-    return static_cast<std::uint32_t>((items + kPieceSize - 1) / kPieceSize);
+    return static_cast<std::uint32_t>((items + pieceSize - 1) / pieceSize);
 }
 
 std::uint32_t itemCount(const Topology::Cluster& cluster, ListKind kind)
@@ -57,13 +58,13 @@ std::uint32_t indexCapacity(const Topology& topology, const Topology::Cluster& c
 }
 
 /// At least: whatever is cut.
-VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind)
+VkDeviceSize listBytes(std::span<const Caster* const> casters, ListKind kind, bool (*listed)(const Caster&))
 {
     std::uint32_t pieces = 0;
     VkDeviceSize indices = 0;
     for (const Caster* caster : casters) {
-        if (!castsVolume(*caster)) continue;
-        const Topology& topology = *caster->mesh->topology;
+        if (!listed(*caster)) continue;
+        const Topology& topology = topologyOf(*caster->mesh);
         for (const Topology::Cluster& cluster : topology.clusters)
             pieces += pieceCount(itemCount(cluster, kind));
         indices += indexCapacity(topology, topology.whole, kind, 0, itemCount(topology.whole, kind));
@@ -85,13 +86,13 @@ void layOutFaces(FrameArena& arena, std::span<const VolumeSource> volumes, ListB
 {
     std::uint32_t count = 0;
     forCasters(volumes, [&](const Caster& caster) {
-        count += pieceCount(caster.mesh->topology->facePlanes.size());
+        count += pieceCount(topologyOf(*caster.mesh).facePlanes.size());
         ++build.casterCount;
     });
     const std::span<VolumePiece> pieces = arena.array<VolumePiece>(count);
     std::size_t piece = 0;
     forCasters(volumes, [&](const Caster& caster) {
-        const auto faces = static_cast<std::uint32_t>(caster.mesh->topology->facePlanes.size());
+        const auto faces = static_cast<std::uint32_t>(topologyOf(*caster.mesh).facePlanes.size());
         for (std::uint32_t first = 0; first < faces; first += kPieceSize)
             pieces[piece++] = {{&caster, 0}, first, std::min(kPieceSize, faces - first), 0, build.faceCount};
         build.faceCount += faces;
@@ -105,18 +106,18 @@ VkDeviceSize layOut(FrameArena& arena, std::span<const VolumeSource> volumes, Li
     layOutFaces(arena, volumes, build);
     std::uint32_t pieces = 0;
     for (const VolumeSource& volume : volumes)
-        pieces += pieceCount(itemCount(volume.shape(), build.kind));
+        pieces += pieceCount(itemCount(volume.shape(), build.kind), build.pieceSize);
     const std::span<VolumePiece> list = arena.array<VolumePiece>(pieces);
     VkDeviceSize next = firstIndex(pieces);
     std::size_t piece = 0;
     std::uint32_t facingOffset = 0;
     for (std::size_t i = 0; i < volumes.size(); ++i) {
         const VolumeSource& volume = volumes[i];
-        const Topology& topology = *volume.caster->mesh->topology;
+        const Topology& topology = volume.topology();
         const Topology::Cluster& cluster = volume.shape();
         const std::uint32_t begin = firstItem(cluster, build.kind), end = begin + itemCount(cluster, build.kind);
-        for (std::uint32_t first = begin; first < end; first += kPieceSize) {
-            const std::uint32_t count = std::min(kPieceSize, end - first);
+        for (std::uint32_t first = begin; first < end; first += build.pieceSize) {
+            const std::uint32_t count = std::min(build.pieceSize, end - first);
             list[piece++] = {volume, first, count, static_cast<std::uint32_t>(next), facingOffset};
             next += indexCapacity(topology, cluster, build.kind, first, count);
         }
@@ -175,10 +176,11 @@ void run(const ListBuild& build, HostContext& host)
 
 VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
                        ListKind kind, Scope scope, std::uint32_t variant, std::uint64_t stamp,
-                       const GpuSilhouettes* shader = nullptr)
+                       const MeshVolumePipelines* device = nullptr)
 {
     ListBuild* build = passes.arena().make<ListBuild>();
     build->kind = kind;
+    if (device) build->pieceSize = kDevicePieceSize;
     build->light = task.light;
     const VkDeviceSize size = layOut(passes.arena(), volumes, *build);
     if (size == 0) return {};
@@ -191,9 +193,13 @@ VolumeList declareList(PassBuilder& passes, const ShadowTask& task, std::span<co
     const bool sides = kind == ListKind::sides;
     // Faces: some topology may have come late.
     stamp = Stamp().add(stamp).add(task.light->revision).add(std::uint64_t{build->faceCount}).value();
-    if (shader) {
-        build->list.buffer = declareGpuSides(passes, task, *shader, build->list.pieces,
-                                             static_cast<std::uint32_t>(size), variant, stamp);
+    if (device) {
+        build->list.buffer = declareFound(passes, *task.light, *device, kind, build->list.pieces,
+                                          {.name = sides ? "volumes.mesh_sides" : "volumes.mesh_caps",
+                                           .scope = scope,
+                                           .size = 4 * size,
+                                           .variant = variant},
+                                          stamp);
         return build->list;
     }
     const KeptList list = passes.keptList(
@@ -301,22 +307,36 @@ std::span<const VolumeSource> volumesOf(FrameArena& arena, std::span<const Caste
     return volumes.first(count);
 }
 
-VkDeviceSize sidesBytes(std::span<const Caster* const> casters)
+VkDeviceSize sidesBytes(std::span<const Caster* const> casters, bool (*listed)(const Caster&))
 {
-    return listBytes(casters, ListKind::sides);
+    return listBytes(casters, ListKind::sides, listed);
 }
 
-VkDeviceSize capsBytes(std::span<const Caster* const> casters)
+VkDeviceSize capsBytes(std::span<const Caster* const> casters, bool (*listed)(const Caster&))
 {
-    return listBytes(casters, ListKind::caps);
+    return listBytes(casters, ListKind::caps, listed);
 }
 
-VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const GpuSilhouettes* shader)
+VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics, const MeshVolumePipelines* device)
 {
     const std::span<const Caster* const> casters = statics ? task.casters->statics : task.casters->dynamics;
     const std::uint64_t stamp = statics ? task.casters->staticStamp : listedStamp(casters);
     return declareList(passes, task, volumesOf(passes.arena(), casters, *task.light), ListKind::sides, Scope::light,
-                       statics ? 0 : 1, stamp, shader);
+                       statics ? 0 : 1, stamp, device);
+}
+
+VolumeList declareMeshSides(PassBuilder& passes, const ShadowTask& task, const MeshVolumePipelines& device)
+{
+    const std::span<VolumeSource> volumes = passes.arena().array<VolumeSource>(task.casters->all.size());
+    std::size_t count = 0;
+    Stamp stamp;
+    for (const Caster* caster : task.casters->all) {
+        if (!castsByConnectivity(*caster)) continue;
+        volumes[count++] = {caster, VolumeSource::kWhole};
+        stamp.add(*caster);
+    }
+    return declareList(passes, task, volumes.first(count), ListKind::sides, Scope::light, kMeshVariant, stamp.value(),
+                       &device);
 }
 
 // Variants 0 and 1 are all static and all moving casters.
@@ -335,12 +355,12 @@ VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const 
 }
 
 VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
-                       std::uint32_t variant)
+                       std::uint32_t variant, const MeshVolumePipelines* device)
 {
     Stamp stamp;
     for (const VolumeSource& volume : volumes)
         stamp.add(volume.caster->revision).add(std::uint64_t{volume.cluster} << 1 | (volume.bothSides ? 1 : 0));
-    return declareList(passes, task, volumes, ListKind::caps, Scope::task, variant, stamp.value());
+    return declareList(passes, task, volumes, ListKind::caps, Scope::task, variant, stamp.value(), device);
 }
 
 } // namespace gnomon

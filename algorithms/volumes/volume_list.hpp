@@ -1,5 +1,5 @@
 #pragma once
-// The index lists of one light in an upload buffer, and when they are built.
+// The index lists of one light in a buffer, and when they are built: on the CPU, or by the device (mesh_volumes.hpp).
 //
 // The buffer starts with one VkDrawIndexedIndirectCommand per piece; indices follow, every piece with room for the most
 // it can need. Counts therefore live and stay with the buffer: a kept list is drawn without the CPU knowing its length.
@@ -7,10 +7,17 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/shared/caster_lists.hpp"
 #include "runtime/algorithm.hpp"
 #include "runtime/scene/topology.hpp"
 
 namespace gnomon {
+
+/// Edges and faces of a mesh that has a topology, or connectivity.
+inline const Topology& topologyOf(const MeshView& mesh)
+{
+    return mesh.topology ? *mesh.topology : *mesh.connectivity;
+}
 
 /// What has a volume of its own: a cluster of a caster's mesh, or the whole.
 struct VolumeSource {
@@ -20,10 +27,7 @@ struct VolumeSource {
     std::uint32_t cluster = 0;
     bool bothSides = false; ///< z-fail counts all faces of a closed cluster, as it does those of an open one.
 
-    const Topology& topology() const
-    {
-        return *(caster->mesh->topology ? caster->mesh->topology : caster->mesh->connectivity);
-    }
+    const Topology& topology() const { return topologyOf(*caster->mesh); }
     const Topology::Cluster& shape() const
     {
         return cluster == kWhole ? topology().whole : topology().clusters[cluster];
@@ -45,6 +49,8 @@ std::span<const VolumeSource> volumesOf(FrameArena& arena, std::span<const Caste
 /// At least as many as volumesOf() of all parts of these casters has together.
 std::size_t mostVolumes(std::span<const Caster* const> casters);
 
+enum class ListKind : std::uint8_t { sides, caps };
+
 /// A range of a cluster's edges (sides) or faces (caps), small enough to share the work among threads.
 struct VolumePiece {
     VolumeSource source;
@@ -59,16 +65,24 @@ struct VolumeList {
 };
 
 /// Bytes of a list that holds the sides, or the caps, of these casters, before it grows to a power of two.
-VkDeviceSize sidesBytes(std::span<const Caster* const> casters);
-VkDeviceSize capsBytes(std::span<const Caster* const> casters);
+/// @param listed whether it holds a caster
+VkDeviceSize sidesBytes(std::span<const Caster* const> casters, bool (*listed)(const Caster&) = castsVolume);
+VkDeviceSize capsBytes(std::span<const Caster* const> casters, bool (*listed)(const Caster&) = castsVolume);
 
-struct GpuSilhouettes; // gpu_silhouettes.hpp
+struct MeshVolumePipelines; // mesh_volumes.hpp
 
 /// The sides of the static (or else the moving) casters of the light: once per light, whatever the views. Built if the
 /// light or one of these casters changed, else kept; moving ones that cast no volume may change.
-/// @param shader null: on the CPU
+/// @param device null: on the CPU
 VolumeList declareSides(PassBuilder& passes, const ShadowTask& task, bool statics,
-                        const GpuSilhouettes* shader = nullptr);
+                        const MeshVolumePipelines* device = nullptr);
+
+/// Of lists of casters whose positions the GPU alone knows; 0 and 1 are those of all static and all moving ones.
+inline constexpr std::uint32_t kMeshVariant = 2;
+
+/// The sides of the light's casters whose positions the GPU alone knows. Each is one volume, since bounds of clusters
+/// are of another pose.
+VolumeList declareMeshSides(PassBuilder& passes, const ShadowTask& task, const MeshVolumePipelines& device);
 
 /// What a method draws of a light's static casters whatever the view: sides, or caps, of the volumes it has chosen once
 /// for this light and these casters. Once per light and choice; built if `stamp` or the light changed, else kept.
@@ -81,7 +95,8 @@ VolumeList declareChosenSides(PassBuilder& passes, const ShadowTask& task, const
 VolumeList declareChosenCaps(PassBuilder& passes, const ShadowTask& task, const VolumeChoice& choice);
 
 /// The caps of the given volumes, which depend on the view by their choice only.
+/// @param device of declareMeshSides()
 VolumeList declareCaps(PassBuilder& passes, const ShadowTask& task, std::span<const VolumeSource> volumes,
-                       std::uint32_t variant);
+                       std::uint32_t variant, const MeshVolumePipelines* device = nullptr);
 
 } // namespace gnomon

@@ -7,7 +7,7 @@ gnomon_shared(
             volumes/resolve_tiles.vert)
 gnomon_shared(
     NEEDS openmesh
-    SOURCES edge_list.cpp edge_volumes.cpp gpu_silhouettes.cpp mesh_planes.cpp mesh_volumes.cpp shadow_region.cpp
+    SOURCES edge_list.cpp edge_volumes.cpp mesh_planes.cpp mesh_volumes.cpp shadow_region.cpp
             static_volumes.cpp volume_count.cpp volume_cull.cpp volume_draw.cpp volume_list.cpp volume_tree.cpp
     SHADERS volumes/all_edges.vert
             volumes/cull_volumes.comp
@@ -15,7 +15,6 @@ gnomon_shared(
             volumes/mesh_planes.comp
             volumes/mesh_sides.comp
             volumes/reached_tiles.comp
-            volumes/silhouettes.comp
             volumes/volume.vert)
 gnomon_algorithm(stencil_volume
     NEEDS openmesh

@@ -1,5 +1,5 @@
 #pragma once
-// Face planes as the facing test (algorithms/volumes/facing.hpp) and shaders (shaders/volumes/silhouettes.h) read them:
+// Face planes as the facing test (algorithms/volumes/facing.hpp) reads them:
 // in blocks of a structure of arrays, of which compilers make vectors. What includes this has no need
 // of the whole topology.
 #include <stdint.h>

@@ -2,8 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "mesh_volume.h"
 
-// Sides of the volume of a caster whose positions the GPU alone knows: findSilhouette() and writeSides() of
-// algorithms/volumes/silhouette.cpp, an edge each.
+// Sides of a volume: findSilhouette() and writeSides() of algorithms/volumes/silhouette.cpp, an edge each.
 layout(local_size_x = MESH_VOLUME_GROUP) in;
 
 layout(push_constant, std430) uniform Push { MeshVolumePush push; };
@@ -20,7 +19,7 @@ void main()
     uint edge = (gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * MESH_VOLUME_GROUP + gl_LocalInvocationID.x;
     if (edge == 0u) beginCommand(push.command, push.firstIndex);
     if (edge >= push.count) return;
-    uint at = 4u * edge, firstUse = words[at + 2u];
+    uint at = 4u * (push.first + edge), firstUse = words[at + 2u];
     int sum = 0;
     uint uses = min(words[at + 3u], uint(words.length()));
     for (uint i = 0u; i < uses; ++i) { // bound: words
