@@ -16,10 +16,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     vec4 gapX;
     vec4 gapY;
 };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-layout(location = 0) noperspective in vec3 rayWs;
+#include "../shared/map_inputs.glsl"
 #if defined(BITS)
 layout(location = 0) out uint bits;
 #elif defined(RAMPS)

@@ -6,14 +6,11 @@
 layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
 };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-layout(location = 0) noperspective in vec3 rayWs;
+#define MAP_LAYERS
+#include "../shared/map_inputs.glsl"
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
-#define MAP_LAYERS
 #include "../shared/planar_tap.glsl"
 #include "../shared/cube_tap.glsl"
 #include "../shared/filter.glsl"

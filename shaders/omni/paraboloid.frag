@@ -9,14 +9,11 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     Paraboloid parts[2];
     vec4 firstWs;
 };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-layout(location = 0) noperspective in vec3 rayWs;
+#define MAP_LAYERS
+#include "../shared/map_inputs.glsl"
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool FILTERED = false;
 
-#define MAP_LAYERS
 #include "../shared/map_receiver.glsl"
 #include "../shared/map_texels.glsl"
 #include "../shared/paraboloid_tap.glsl"

@@ -11,16 +11,8 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     float disc;
     uint show;
 };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-#ifdef MAP_LAYERS
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-#else
-layout(set = 0, binding = 4) uniform sampler2D map;
-#endif
+#include "../shared/map_inputs.glsl"
 layout(set = 0, binding = 5) uniform sampler2D states;
-layout(location = 0) noperspective in vec3 rayWs;
-layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out vec2 seed;
 
 #include "../shared/agreement.glsl"

@@ -12,15 +12,7 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     uint longest;
 };
 layout(std430, set = 0, binding = 1) readonly buffer Bounds { vec2 bounds[]; };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-#ifdef MAP_LAYERS
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-#else
-layout(set = 0, binding = 4) uniform sampler2D map;
-#endif
-layout(location = 0) noperspective in vec3 rayWs;
-layout(location = 1) noperspective in vec4 rayClip;
+#include "../shared/map_inputs.glsl"
 layout(location = 0) out float visibility;
 
 #include "../shared/agreement.glsl"

@@ -1,5 +1,5 @@
 // The receiver behind this fragment, for look-ups in a map.
-// The includer declares `MapConstants constants` (binding 0), `depthImage` (binding 2) and `normalImage` (binding 3).
+// The includer declares `MapConstants constants` (binding 0), and depthImage and normalImage as map_inputs.glsl does.
 #ifndef GNOMON_MAPS_MAP_RECEIVER_GLSL
 #define GNOMON_MAPS_MAP_RECEIVER_GLSL
 #include "map_lookup.h"

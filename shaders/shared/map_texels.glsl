@@ -1,5 +1,4 @@
-// The map of a resolve pass. The includer declares `sampler2D map` or, with MAP_LAYERS, `sampler2DArray map` at binding
-// 4.
+// The map of a resolve pass. The includer declares `map` as map_inputs.glsl does.
 #ifndef GNOMON_MAPS_MAP_TEXELS_GLSL
 #define GNOMON_MAPS_MAP_TEXELS_GLSL
 #ifdef MAP_LAYERS

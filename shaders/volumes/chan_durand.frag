@@ -10,16 +10,8 @@ layout(set = 0, binding = 0, std140) uniform Constants {
     MapConstants constants;
     int widen;
 };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-#ifdef MAP_LAYERS
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-#else
-layout(set = 0, binding = 4) uniform sampler2D map; // border: depth 1, past the map nothing casts
-#endif
+#include "../shared/map_inputs.glsl"
 layout(set = 0, binding = 5, std430) buffer Cells { uint cells[]; };
-layout(location = 0) noperspective in vec3 rayWs;
-layout(location = 1) noperspective in vec4 rayClip;
 layout(location = 0) out float visibility;
 
 layout(constant_id = 1) const bool WIDENED = false; // a loop without known end takes a third longer for 2 x 2

@@ -5,16 +5,12 @@
 #include "warped.glsl"
 
 layout(set = 0, binding = 0, std140) uniform Constants { WarpConstants warp; };
-layout(set = 0, binding = 2) uniform sampler2D depthImage;
-layout(set = 0, binding = 3) uniform sampler2D normalImage;
-layout(set = 0, binding = 4) uniform sampler2DArray map;
-layout(location = 0) noperspective in vec3 rayWs;
-layout(location = 1) noperspective in vec4 rayClip;
+#define MAP_LAYERS
+#include "../shared/map_inputs.glsl"
 layout(location = 0) out float visibility;
 layout(constant_id = 1) const bool CUBE = false;
 layout(constant_id = 2) const bool DISCS = false;
 
-#define MAP_LAYERS
 #include "../shared/planar_tap.glsl"
 #include "../shared/cube_tap.glsl"
 #include "../shared/paraboloid_tap.glsl"
