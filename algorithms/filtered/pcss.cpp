@@ -8,7 +8,8 @@
 #include "algorithms/entries.hpp"
 
 #include "algorithms/shared/blocker_search.hpp"
-#include "algorithms/shared/disc_resolve.hpp"
+#include "algorithms/shared/depth_bounds.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/filtered/pcss.h"
 #include "shaders/filtered_nearest_cube_frag.h"
 #include "shaders/filtered_nearest_frag.h"
@@ -33,10 +34,15 @@ class Pcss final : public ShadowAlgorithm {
 public:
     explicit Pcss(const AlgorithmServices& services)
         : vk_(*services.vk), casters_(makeDepthMapPipelines(services)), bounds_(services),
-          resolve_(services, "pcss.resolve", k_filtered_pcss_frag, k_filtered_pcss_cube_frag),
-          hard_(services, {.name = "pcss.hard", .fragment = k_filtered_nearest_frag, .filters = false}),
-          hardCube_(services,
-                    {.name = "pcss.hard", .fragment = k_filtered_nearest_cube_frag, .layers = true, .filters = false})
+          resolve_(services, {.name = "pcss.resolve",
+                              .fragment = k_filtered_pcss_frag,
+                              .cube = k_filtered_pcss_cube_frag,
+                              .filters = false,
+                              .more = DepthBounds::kBinding}),
+          hard_(services, {.name = "pcss.hard",
+                           .fragment = k_filtered_nearest_frag,
+                           .cube = k_filtered_nearest_cube_frag,
+                           .filters = false})
     {
     }
 
@@ -44,14 +50,14 @@ public:
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const LightView& light = *task.light;
-        const bool soft = isSoft(light), cube = light.type == GN_LIGHT_TYPE_POINT;
+        const bool soft = isSoft(light);
         gpu::PcssConstants constants{};
         constants.base = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
                                              soft ? softBorder(resolution) : kMapBorderTexels);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
         if (!soft) { // shadow_map's picture, or cube_map's
-            (cube ? hardCube_ : hard_).declare(passes, task, map.image, constants, false);
+            hard_.declare(passes, task, map.image, constants.base);
             return;
         }
         constants.disc = discCone(light, map.fits.front(), constants.base.map);
@@ -59,7 +65,7 @@ public:
         constants.early = task.settings[kEarly] != 0.0;
         constants.reasons = task.settings[kReasons] != 0.0;
         const BufferId bounds = bounds_.declare(passes, map, resolution);
-        resolve_.declare(passes, task, map.image, bounds, constants);
+        resolve_.declare(passes, task, map.image, constants, {.more = {{{.buffer = bounds}}}});
     }
 
     const char* refuses(const ShadowTask& task) const override
@@ -72,8 +78,7 @@ private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
     DepthBounds bounds_;
-    DiscResolve resolve_;
-    MapResolve hard_, hardCube_;
+    MapResolve resolve_, hard_;
     Map map_;
 };
 

@@ -26,11 +26,10 @@ public:
                                     .rows = "screen_soft.rows",
                                     .columns = "screen_soft.columns",
                                     .soft = {k_filtered_screen_soft_frag, k_filtered_screen_soft_cube_frag}}),
-          casters_(makeDepthMapPipelines(services)),
-          hard_(services, {.name = "screen_soft.hard", .fragment = k_filtered_nearest_frag, .filters = false}),
-          hardCube_(
-              services,
-              {.name = "screen_soft.hard", .fragment = k_filtered_nearest_cube_frag, .layers = true, .filters = false})
+          casters_(makeDepthMapPipelines(services)), hard_(services, {.name = "screen_soft.hard",
+                                                                      .fragment = k_filtered_nearest_frag,
+                                                                      .cube = k_filtered_nearest_cube_frag,
+                                                                      .filters = false})
     {
     }
 
@@ -40,12 +39,12 @@ private:
         const auto resolution = static_cast<std::uint32_t>(task.settings[0]);
         gpu::MapConstants constants = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants);
-        (task.light->type == GN_LIGHT_TYPE_POINT ? hardCube_ : hard_).declare(passes, task, map.image, constants);
+        hard_.declare(passes, task, map.image, constants);
         return handedOut(map.image, map.fits, map.needed, constants);
     }
 
     DepthMapPipelines casters_;
-    MapResolve hard_, hardCube_;
+    MapResolve hard_;
 };
 
 } // namespace

@@ -3,10 +3,8 @@
 #include <algorithm>
 
 #include "algorithms/shared/light_map.hpp"
-#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/hybrid_conservative_classify_cube_frag.h"
 #include "shaders/hybrid_conservative_classify_frag.h"
-#include "shaders/shared_fullscreen_vert.h"
 
 namespace gnomon {
 
@@ -42,26 +40,6 @@ constexpr LayerKind kKinds[2][2] = {
 };
 #undef GNOMON_LAYERS
 #undef GNOMON_LAYER
-
-PipelineId classifyPipeline(const AlgorithmServices& services, const char* name, bool cube, bool normals)
-{
-    const auto look = lookupBindings(cube);
-    BindingInfo bindings[5];
-    std::ranges::copy(look, bindings);
-    bindings[4] = look[3];
-    bindings[4].binding = 6;
-    bindings[3].sampler = bindings[4].sampler = SamplerKind::nearest;
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = name;
-    pipeline.vertex.code = k_shared_fullscreen_vert;
-    pipeline.fragment.code = cube ? std::span<const std::uint32_t>(k_hybrid_conservative_classify_cube_frag)
-                                  : std::span<const std::uint32_t>(k_hybrid_conservative_classify_frag);
-    pipeline.fragment.specializationCount = 1;
-    pipeline.fragment.specialization[0] = normals;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
-}
 
 } // namespace
 
@@ -142,43 +120,39 @@ ImageId ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& 
     return declareLayer(passes, task, view, thesis, true);
 }
 
-// --- the question ---
-
-ConservativeClassify::ConservativeClassify(const AlgorithmServices& services, const char* name) : name_(name)
-{
-    for (const bool cube : {false, true})
-        for (const bool normals : {false, true})
-            pipelines_[cube][normals] = classifyPipeline(services, name, cube, normals);
-}
-
-void ConservativeClassify::declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
-                                   const gpu::ConservativeConstants& constants) const
-{
-    const LookupImages look(task, images.nearest);
-    const PipelineId pipeline = pipelines_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-    LookupPass pass(passes, task, name_, look);
-    pass.uses.samples(images.covered);
-    pass.record([=, covered = images.covered, values = &constants](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *values), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map), gpu.sampled(6, covered)});
-    });
-}
-
 // --- the methods ---
 
 namespace {
 
-const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowTask& task,
-                                              const ConservativeMapView& view, bool thesis, bool reasons)
+/// Of the under-estimated layer, beside the other's at binding 4; of point lights last.
+constexpr BindingInfo kCovered[2] = {
+    {.binding = 6, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true},
+    {.binding = 6, .kind = BindingKind::sampledImage, .format = kMapFormat, .array = true, .powerOfTwo = true}};
+
+/// Asks the map: writes the task's visibility, UNDECIDED where the map cannot answer.
+MapResolve makeClassify(const AlgorithmServices& services, const char* name, bool point)
 {
-    gpu::ConservativeConstants* constants = passes.arena().make<gpu::ConservativeConstants>();
-    gpu::MapConstants& base = constants->hybrid.base;
+    return {services,
+            {.name = name,
+             .fragment = point ? std::span<const std::uint32_t>(k_hybrid_conservative_classify_cube_frag)
+                               : std::span<const std::uint32_t>(k_hybrid_conservative_classify_frag),
+             .layers = point,
+             .filters = false,
+             .more = std::span(kCovered).subspan(point, 1),
+             .sampler = SamplerKind::nearest}};
+}
+
+gpu::ConservativeConstants constantsOf(const ShadowTask& task, const ConservativeMapView& view, bool thesis,
+                                       bool reasons)
+{
+    gpu::ConservativeConstants constants{};
+    gpu::MapConstants& base = constants.hybrid.base;
     base = mapConstants(task, view.resolution, 1);
     addLightProjection(base, view.fits, task);
-    constants->hybrid.reasons = reasons;
-    constants->light = task.light->constants;
-    constants->thesis = thesis;
-    addRounding(*constants, view.projections.front(), task.casters->all);
+    constants.hybrid.reasons = reasons;
+    constants.light = task.light->constants;
+    constants.thesis = thesis;
+    addRounding(constants, view.projections.front(), task.casters->all);
     return constants;
 }
 
@@ -186,7 +160,9 @@ const gpu::ConservativeConstants* constantsOf(PassBuilder& passes, const ShadowT
 
 ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
                                        const UndecidedNames& names)
-    : vk_(*services.vk), maps_(services), classify_(services, classify), names_(names)
+    : vk_(*services.vk),
+      maps_(services), classify_{makeClassify(services, classify, false), makeClassify(services, classify, true)},
+      names_(names)
 {
     if (vk_.prefersRays) onDevice_.emplace(services, names);
 }
@@ -197,17 +173,18 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
     const auto offset = static_cast<ThesisOffset>(static_cast<std::uint32_t>(task.settings[kLambda]));
     const ConservativeMapView view = conservativeView(task, static_cast<std::uint32_t>(task.settings[kResolution]),
                                                       thesis ? offset : ThesisOffset::halfDiagonal, passes.arena());
-    const ConservativeImages images{.nearest = maps_.declareNearest(passes, task, view, thesis),
-                                    .covered = declareCovered(passes, task, view, maps_, thesis)};
+    const ImageId nearest = maps_.declareNearest(passes, task, view, thesis);
+    const ImageId covered = declareCovered(passes, task, view, maps_, thesis);
     const bool reasons = task.settings[kReasons] != 0.0;
-    const gpu::ConservativeConstants* constants = constantsOf(passes, task, view, thesis, reasons);
     // That only faces turned away from the light need be drawn holds for receivers outside of what is closed.
     Doubt insides;
     if (!thesis) {
         insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
         insides.where = nearClip(*task.view, task.casters->all);
     }
-    classify_.declare(passes, task, images, *constants);
+    const bool point = task.light->type == GN_LIGHT_TYPE_POINT;
+    classify_[point].declare(passes, task, nearest, constantsOf(task, view, thesis, reasons),
+                             {.more = {{{.image = covered}}}});
     if (task.rays)
         onDevice_->declare(passes, task, reasons, insides);
     else

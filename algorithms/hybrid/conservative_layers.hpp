@@ -8,6 +8,7 @@
 #include "algorithms/hybrid/conservative_casters.hpp"
 #include "algorithms/hybrid/undecided_on_device.hpp"
 #include "algorithms/shared/kept_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 
 namespace gnomon {
 
@@ -29,11 +30,7 @@ std::uint32_t formOf(const ConservativeMapView& view);
 LayerContent conservativeContent(const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer,
                                  std::uint64_t salt, FrameArena& arena);
 
-/// Its two depth images as declared in this frame, a layer per fit.
-struct ConservativeImages {
-    ImageId nearest, covered;
-};
-
+/// Its two depth images, a layer per fit.
 class ConservativeMaps {
 public:
     explicit ConservativeMaps(const AlgorithmServices& services);
@@ -50,18 +47,6 @@ private:
     ImageId declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view, bool thesis,
                          bool covered) const;
     PipelineId layers_[2][2]; ///< [thesis][covered]
-};
-
-/// Asks the map: writes the task's visibility, UNDECIDED where the map cannot answer.
-class ConservativeClassify {
-public:
-    ConservativeClassify(const AlgorithmServices& services, const char* name);
-    void declare(PassBuilder& passes, const ShadowTask& task, const ConservativeImages& images,
-                 const gpu::ConservativeConstants& constants) const;
-
-private:
-    const char* name_;
-    PipelineId pipelines_[2][2]; ///< [cube][has normals]
 };
 
 /// What both methods are but for their under-estimated layer.
@@ -93,7 +78,7 @@ protected:
 private:
     const DeviceTable& vk_;
     ConservativeMaps maps_;
-    ConservativeClassify classify_;
+    MapResolve classify_[2]; ///< [point light]
     UndecidedNames names_;
     std::optional<UndecidedOnDevice> onDevice_; ///< Where ShadowTask::rays may be given.
 };

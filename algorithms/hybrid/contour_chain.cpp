@@ -42,12 +42,10 @@ class ContourChain final : public ShadowAlgorithm {
 public:
     explicit ContourChain(const AlgorithmServices& services)
         : vk_(*services.vk), map_(makeIdMapPipelines(services)),
-          status_(services,
-                  {.name = "contour_chain.status", .fragment = k_hybrid_contour_chain_frag, .filters = false}),
-          statusCube_(services, {.name = "contour_chain.status",
-                                 .fragment = k_hybrid_contour_chain_cube_frag,
-                                 .layers = true,
-                                 .filters = false})
+          status_(services, {.name = "contour_chain.status",
+                             .fragment = k_hybrid_contour_chain_frag,
+                             .cube = k_hybrid_contour_chain_cube_frag,
+                             .filters = false})
     {
     }
 
@@ -85,7 +83,7 @@ private:
 
     const DeviceTable& vk_;
     IdMapPipelines map_;
-    MapResolve status_, statusCube_;
+    MapResolve status_;
     RingsCache rings_;
 };
 
@@ -136,8 +134,7 @@ void ContourChain::declareRings(PassBuilder& passes, const NumberedTriangles& tr
 
 void ContourChain::declareStatus(PassBuilder& passes, const ShadowTask& task, const ChainJob& job) const
 {
-    const MapResolve& status = task.light->type == GN_LIGHT_TYPE_POINT ? statusCube_ : status_;
-    status.declare(passes, task, job.map.depth, *job.constants, false);
+    status_.declare(passes, task, job.map.depth, *job.constants, {});
     declareVisibilityReadback(passes, task, job.status, task.view->area, "contour_chain.readback");
 }
 

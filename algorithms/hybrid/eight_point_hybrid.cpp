@@ -83,7 +83,7 @@ public:
                                              std::span<gpu::MapLookup, kLightPoints>(constants.points));
         constants.hybrid.base = mapConstants(task, resolution, 1);
         constants.hybrid.base.map.axisWs = constants.points[0].axisWs;
-        classify_.declare(passes, task, map, constants, false);
+        classify_.declare(passes, task, map, constants, {});
         declareUndecided(passes, task, kNames, tracePoints);
     }
 

@@ -42,11 +42,10 @@ class PcfHybrid final : public ShadowAlgorithm {
 public:
     explicit PcfHybrid(const AlgorithmServices& services)
         : vk_(*services.vk), casters_(makeDepthMapPipelines(services)),
-          classify_(services, {.name = "pcf_hybrid.classify", .fragment = k_hybrid_pcf_hybrid_frag, .filters = false}),
-          classifyCube_(services, {.name = "pcf_hybrid.classify",
-                                   .fragment = k_hybrid_pcf_hybrid_cube_frag,
-                                   .layers = true,
-                                   .filters = false})
+          classify_(services, {.name = "pcf_hybrid.classify",
+                               .fragment = k_hybrid_pcf_hybrid_frag,
+                               .cube = k_hybrid_pcf_hybrid_cube_frag,
+                               .filters = false})
     {
         if (vk_.prefersRays) onDevice_.emplace(services, kNames);
     }
@@ -66,8 +65,7 @@ public:
             declareMapClassification(passes, task, kPassNames, copy, constants.base, constants.reasons != 0);
             return;
         }
-        const MapResolve& classify = task.light->type == GN_LIGHT_TYPE_POINT ? classifyCube_ : classify_;
-        classify.declare(passes, task, map.image, constants, false);
+        classify_.declare(passes, task, map.image, constants, {});
         if (task.rays)
             onDevice_->declare(passes, task, constants.reasons != 0);
         else
@@ -77,7 +75,7 @@ public:
 private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
-    MapResolve classify_, classifyCube_;
+    MapResolve classify_;
     std::optional<UndecidedOnDevice> onDevice_; ///< Where ShadowTask::rays may be given.
 };
 

@@ -70,7 +70,7 @@ public:
         constants.lastLayer = static_cast<float>(cascades.back().layer);
         constants.border = kBorderTexels;
         constants.base.map.slope = static_cast<float>(0.5 * task.settings[kFade] * resolution);
-        resolve_.declare(passes, task, image, constants, constants.base.map.filterSide > 1.0f);
+        resolve_.declare(passes, task, image, constants, {.filtered = constants.base.map.filterSide > 1.0f});
         contact_.declare(passes, task, task.settings[kContact]);
 
         gpu::ShadowSample& sample = map_.sample = sampleOf(constants.base.map, gpu::SAMPLE_PARTS);

@@ -9,7 +9,6 @@
 #include "shaders/maps_desired_view_crop_comp.h"
 #include "shaders/maps_desired_view_vert.h"
 #include "shaders/maps_shadow_map_cropped_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -19,6 +18,7 @@ constexpr std::uint32_t kPixelsPerGroup = 8 * 4; // a side, of desired_view.comp
 
 constexpr BindingInfo kConstants{.binding = 0, .kind = BindingKind::constants};
 constexpr BindingInfo kView{.binding = 1, .kind = BindingKind::storageBuffer};
+constexpr BindingInfo kResolveView[] = {{.binding = 5, .kind = BindingKind::storageBuffer}};
 
 PipelineId seenPipeline(const AlgorithmServices& services, bool normals)
 {
@@ -28,22 +28,6 @@ PipelineId seenPipeline(const AlgorithmServices& services, bool normals)
         {.name = "desired_view.seen",
          .compute = {.code = k_maps_desired_view_comp, .specializationCount = 2, .specialization = {normals, 0}},
          .bindings = bindings});
-}
-
-PipelineId resolvePipeline(const AlgorithmServices& services, bool normals, bool filtered)
-{
-    const auto look = lookupBindings(false);
-    BindingInfo bindings[5];
-    std::ranges::copy(look, bindings);
-    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "desired_view.resolve";
-    pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment = {
-        .code = k_maps_shadow_map_cropped_frag, .specializationCount = 2, .specialization = {normals, filtered}};
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
 }
 
 DepthMapPipelines castersPipelines(const AlgorithmServices& services)
@@ -62,13 +46,12 @@ DesiredViewMap::DesiredViewMap(const AlgorithmServices& services)
     : casters_(castersPipelines(services)),
       crop_(services.pipelines->compute({.name = "desired_view.crop",
                                          .compute = {.code = k_maps_desired_view_crop_comp},
-                                         .bindings = std::array{kConstants, kView}}))
+                                         .bindings = std::array{kConstants, kView}})),
+      resolve_(services,
+               {.name = "desired_view.resolve", .fragment = k_maps_shadow_map_cropped_frag, .more = kResolveView})
 {
-    for (const bool normals : {false, true}) {
+    for (const bool normals : {false, true})
         seen_[normals] = seenPipeline(services, normals);
-        for (const bool filtered : {false, true})
-            resolve_[normals][filtered] = resolvePipeline(services, normals, filtered);
-    }
 }
 
 bool DesiredViewMap::serves(const ShadowTask& task)
@@ -118,13 +101,8 @@ void DesiredViewMap::declare(PassBuilder& passes, const ShadowTask& task, const 
             draw.record(gpu, casters, bindings);
         });
 
-    const LookupImages look(task, map);
-    LookupPass resolve(passes, task, "desired_view.resolve", look);
-    resolve.uses.reads(view);
-    resolve.record([=, pipeline = resolve_[look.hasNormals][constants.map.filterSide > 1.0f]](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *shared), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, view)});
-    });
+    resolve_.declare(passes, task, map, block,
+                     {.filtered = constants.map.filterSide > 1.0f, .more = {{{.buffer = view}}}});
 }
 
 } // namespace gnomon

@@ -2,7 +2,7 @@
 // A light's depth map cropped to the receivers in view, on the GPU: "desired view" (Navratil 2015, 4.2.5).
 #include <cstdint>
 
-#include "algorithms/shared/depth_map.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps/desired_view.h"
 
 namespace gnomon {
@@ -25,7 +25,7 @@ private:
     DepthMapPipelines casters_;
     PipelineId seen_[2]; ///< [has normals]
     PipelineId crop_;
-    PipelineId resolve_[2][2]; ///< [has normals][filtered]
+    MapResolve resolve_;
 };
 
 } // namespace gnomon

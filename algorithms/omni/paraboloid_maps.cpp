@@ -114,7 +114,7 @@ void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task, const 
     constants.parts[0] = set.parts[0];
     constants.parts[1] = set.parts[1];
     constants.firstWs = glm::vec4(set.firstWs, 0.0f);
-    resolve_.declare(passes, task, image, constants, settings.filterSide > 1);
+    resolve_.declare(passes, task, image, constants, {.filtered = settings.filterSide > 1});
     contact_.declare(passes, task, settings.contact);
     map_ = {.image = image,
             .clipFromWorld = {},

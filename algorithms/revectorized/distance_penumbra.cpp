@@ -1,7 +1,6 @@
 #include "algorithms/revectorized/distance_penumbra.hpp"
 
 #include <algorithm>
-#include <array>
 
 #include "algorithms/revectorized/line_map.hpp"
 #include "runtime/scene/light_pixels.hpp"
@@ -10,7 +9,6 @@
 #include "shaders/revectorized_distance_resolve_frag.h"
 #include "shaders/revectorized_distance_seeds_cube_frag.h"
 #include "shaders/revectorized_distance_seeds_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -21,17 +19,22 @@ constexpr VkFormat kStateFormat = VK_FORMAT_R8_UNORM;
 constexpr std::uint32_t kMeanSteps = 7;
 /// Of an ellipse about the light's direction, as screen_penumbra has it; a ramp of one width has a circle.
 constexpr float kLeastCosine = 0.1f;
-constexpr BindingInfo kStates{.binding = 5, .kind = BindingKind::sampledImage, .format = kStateFormat};
 
-/// Full-screen pipelines with and without normals.
-void makePipelines(const AlgorithmServices& services, GraphicsPipelineInfo info, PipelineId (&pipelines)[2])
+/// States, which are all that seeds are made of beside the map, seeds and sites.
+constexpr BindingInfo kRampInputs[] = {
+    {.binding = 5, .kind = BindingKind::sampledImage, .format = kStateFormat},
+    {.binding = 6, .kind = BindingKind::sampledImage, .format = kSeedFormat},
+    {.binding = 7, .kind = BindingKind::storageBuffer},
+};
+
+MapResolve makeRamp(const AlgorithmServices& services, VkFormat format)
 {
-    info.vertex.code = k_shared_map_resolve_vert;
-    info.fragment.specializationCount = 1;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        info.fragment.specialization[0] = normals;
-        pipelines[normals] = services.pipelines->graphics(info);
-    }
+    return {services,
+            {.name = "distance.ramp",
+             .fragment = k_revectorized_distance_resolve_frag,
+             .filters = false,
+             .more = kRampInputs,
+             .format = format}};
 }
 
 /// The task with another image in visibility's place, of one layer.
@@ -47,51 +50,30 @@ ShadowTask writing(const ShadowTask& task, ImageId image)
 
 DistancePenumbra::DistancePenumbra(const AlgorithmServices& services)
     : vk_(*services.vk), casters_(makeDepthMapPipelines(services)),
-      hard_{{services, {.name = "distance.hard", .fragment = k_revectorized_distance_hard_frag}},
-            {services, {.name = "distance.hard", .fragment = k_revectorized_distance_hard_cube_frag, .layers = true}}},
-      transform_(services), mean_(services, "distance.mean_rows", "distance.mean_columns")
+      hard_(services, {.name = "distance.hard",
+                       .fragment = k_revectorized_distance_hard_frag,
+                       .cube = k_revectorized_distance_hard_cube_frag}),
+      transform_(services), mean_(services, "distance.mean_rows", "distance.mean_columns"),
+      seeds_(services, {.name = "distance.seeds",
+                        .fragment = k_revectorized_distance_seeds_frag,
+                        .cube = k_revectorized_distance_seeds_cube_frag,
+                        .filters = false,
+                        .more = std::span(kRampInputs).first(1),
+                        .format = kSeedFormat}),
+      ramp_{makeRamp(services, VK_FORMAT_R8_UNORM), makeRamp(services, ScreenBlur::kSeenFormat)}
 {
-    for (const bool point : {false, true}) {
-        const std::array look = lookupBindings(point);
-        std::array<BindingInfo, look.size() + 1> bindings{};
-        std::ranges::copy(look, bindings.begin());
-        bindings.back() = kStates;
-        makePipelines(
-            services,
-            {.name = "distance.seeds",
-             .fragment = {.code = point ? std::span<const std::uint32_t>(k_revectorized_distance_seeds_cube_frag)
-                                        : std::span<const std::uint32_t>(k_revectorized_distance_seeds_frag)},
-             .bindings = bindings,
-             .colorFormat = kSeedFormat},
-            seeds_[point]);
-    }
-    const std::array look = lookupBindings(false);
-    const std::array bindings = {look[0],
-                                 look[1],
-                                 look[2],
-                                 kStates,
-                                 BindingInfo{.binding = 6, .kind = BindingKind::sampledImage, .format = kSeedFormat},
-                                 BindingInfo{.binding = 7, .kind = BindingKind::storageBuffer}};
-    for (const bool mean : {false, true})
-        makePipelines(services,
-                      {.name = "distance.ramp",
-                       .fragment = {.code = k_revectorized_distance_resolve_frag},
-                       .bindings = bindings,
-                       .colorFormat = mean ? ScreenBlur::kSeenFormat : VK_FORMAT_R8_UNORM},
-                      ramp_[mean]);
 }
 
 ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const ShadowTask& task,
                                                const DistanceRamp& ramp) const
 {
     const auto resolution = static_cast<std::uint32_t>(task.settings[0]);
-    const bool point = task.light->type == GN_LIGHT_TYPE_POINT;
     gpu::MapConstants base = mapConstants(task, resolution, 1);
     const LightMap map = declareLightMap(passes, casters_, task, resolution, base,
                                          lineBorder(*task.light, resolution, {.longest = gpu::LONGEST_STAIR}));
     const ShadowAlgorithm::Map handed = handedOut(map.image, map.fits, map.needed, base);
     if (ramp.width <= 0.0f && ramp.disc <= 0.0f) {
-        hard_[point].declare(passes, task, map.image, base, false);
+        hard_.declare(passes, task, map.image, base, {});
         return handed;
     }
     const VkRect2D pixels = lightPixels(*task.light, *task.view);
@@ -105,45 +87,27 @@ ShadowAlgorithm::Map DistancePenumbra::declare(PassBuilder& passes, const Shadow
     // Of the view: lights take their turns with them.
     ImageInfo image{
         .name = "distance.states", .scope = Scope::view, .format = kStateFormat, .extent = task.view->extent};
-    Images images;
+    Images images{.map = map.image};
     images.states = passes.transient(image);
     image.name = "distance.seeds";
     image.format = kSeedFormat;
     images.seeds = passes.transient(image);
-    hard_[point].declare(passes, writing(task, images.states), map.image, base, true);
-    declareSeeds(passes, writing(task, images.seeds), map.image, images, constants);
+    hard_.declare(passes, writing(task, images.states), map.image, base, {.filtered = true});
+    seeds_.declare(passes, writing(task, images.seeds), map.image, constants, {.more = {{{.image = images.states}}}});
     images.sites = transform_.declare(passes, *task.view, images.seeds, pixels);
     declareRamp(passes, task, images, constants);
     return handed;
 }
 
-void DistancePenumbra::declareSeeds(PassBuilder& passes, const ShadowTask& task, ImageId map, const Images& images,
-                                    const gpu::DistanceConstants& constants) const
-{
-    const LookupImages look(task, map);
-    const PipelineId pipeline = seeds_[task.light->type == GN_LIGHT_TYPE_POINT][look.hasNormals];
-    LookupPass pass(passes, task, "distance.seeds", look);
-    pass.uses.samples(images.states);
-    pass.record([=, states = images.states, block = passes.arena().make(constants)](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.sampled(5, states)});
-    });
-}
-
 void DistancePenumbra::declareRamp(PassBuilder& passes, const ShadowTask& task, const Images& images,
                                    const gpu::DistanceConstants& constants) const
 {
-    const LookupImages look(task, images.states);
     const bool mean = constants.mean > 0.0f;
-    const PipelineId pipeline = ramp_[mean][look.hasNormals];
     const ImageId seen = mean ? ScreenBlur::declareSeen(passes, task) : ImageId{};
-    LookupPass pass = mean ? LookupPass(passes, task, "distance.ramp", look, seen, ScreenBlur::kNotAsked)
-                           : LookupPass(passes, task, "distance.ramp", look);
-    pass.uses.samples(images.seeds).reads(images.sites);
-    pass.record([=, block = passes.arena().make(constants)](PassContext& gpu) {
-        gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                            gpu.sampled(5, images.states), gpu.sampled(6, images.seeds), gpu.storage(7, images.sites)});
-    });
+    ramp_[mean].declare(passes, task, images.map, constants,
+                        {.more = {{{.image = images.states}, {.image = images.seeds}, {.buffer = images.sites}}},
+                         .target = seen,
+                         .otherwise = ScreenBlur::kNotAsked});
     if (!mean) return;
     auto* const block = passes.arena().make<gpu::ScreenPenumbraConstants>();
     block->base = constants.base;

@@ -31,21 +31,19 @@ public:
 
 private:
     struct Images {
-        ImageId states, seeds;
+        ImageId map, states, seeds;
         BufferId sites;
     };
-    void declareSeeds(PassBuilder& passes, const ShadowTask& task, ImageId map, const Images& images,
-                      const gpu::DistanceConstants& constants) const;
     void declareRamp(PassBuilder& passes, const ShadowTask& task, const Images& images,
                      const gpu::DistanceConstants& constants) const;
 
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
-    MapResolve hard_[2]; ///< [point light]; filtered: states
+    MapResolve hard_; ///< Filtered: states.
     DistanceTransform transform_;
     ScreenBlur mean_;
-    PipelineId seeds_[2][2]; ///< [point light][has normals]
-    PipelineId ramp_[2][2];  ///< [a mean is taken][has normals]
+    MapResolve seeds_;
+    MapResolve ramp_[2]; ///< [a mean is taken]
 };
 
 /// Settings of both.

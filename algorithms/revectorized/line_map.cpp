@@ -16,22 +16,20 @@ std::uint32_t lineBorder(const LightView& light, std::uint32_t resolution, const
 
 LineMap::LineMap(const AlgorithmServices& services, const char* name)
     : casters_(makeDepthMapPipelines(services)),
-      resolve_(services, {.name = name, .fragment = k_revectorized_lines_frag}),
-      resolveCube_(services, {.name = name, .fragment = k_revectorized_lines_cube_frag, .layers = true})
+      resolve_(services, {.name = name, .fragment = k_revectorized_lines_frag, .cube = k_revectorized_lines_cube_frag})
 {
 }
 
 ShadowAlgorithm::Map LineMap::declare(PassBuilder& passes, const ShadowTask& task, std::uint32_t resolution,
                                       const Lines& lines) const
 {
-    const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
     gpu::LineConstants constants{};
     constants.base = mapConstants(task, resolution, lines.filterSide);
     constants.mode = lines.mode;
     constants.longest = lines.longest;
     const LightMap map =
         declareLightMap(passes, casters_, task, resolution, constants.base, lineBorder(*task.light, resolution, lines));
-    (cube ? resolveCube_ : resolve_).declare(passes, task, map.image, constants, lines.mode == gpu::REVECTORIZE_KERNEL);
+    resolve_.declare(passes, task, map.image, constants, {.filtered = lines.mode == gpu::REVECTORIZE_KERNEL});
     return handedOut(map.image, map.fits, map.needed, constants.base);
 }
 

@@ -33,7 +33,7 @@ public:
 
 private:
     DepthMapPipelines casters_;
-    MapResolve resolve_, resolveCube_;
+    MapResolve resolve_;
 };
 
 } // namespace gnomon

@@ -9,7 +9,7 @@
 
 #include "algorithms/revectorized/line_map.hpp"
 #include "algorithms/shared/blocker_search.hpp"
-#include "algorithms/shared/disc_resolve.hpp"
+#include "algorithms/shared/depth_bounds.hpp"
 #include "shaders/revectorized/rbssm.h"
 #include "shaders/revectorized_rbssm_cube_frag.h"
 #include "shaders/revectorized_rbssm_frag.h"
@@ -32,7 +32,11 @@ class Rbssm final : public ShadowAlgorithm {
 public:
     explicit Rbssm(const AlgorithmServices& services)
         : vk_(*services.vk), casters_(makeDepthMapPipelines(services)), bounds_(services),
-          soft_(services, "rbssm.resolve", k_revectorized_rbssm_frag, k_revectorized_rbssm_cube_frag),
+          soft_(services, {.name = "rbssm.resolve",
+                           .fragment = k_revectorized_rbssm_frag,
+                           .cube = k_revectorized_rbssm_cube_frag,
+                           .filters = false,
+                           .more = DepthBounds::kBinding}),
           hard_(services, "rbssm.hard")
     {
     }
@@ -54,7 +58,8 @@ public:
         constants.taps = static_cast<std::uint32_t>(task.settings[kTaps]);
         constants.kernel = filterSide(task.settings[kKernel]);
         constants.longest = longest;
-        soft_.declare(passes, task, map.image, bounds_.declare(passes, map, resolution), constants);
+        const BufferId bounds = bounds_.declare(passes, map, resolution);
+        soft_.declare(passes, task, map.image, constants, {.more = {{{.buffer = bounds}}}});
     }
 
     const char* refuses(const ShadowTask& task) const override
@@ -67,7 +72,7 @@ private:
     const DeviceTable& vk_;
     DepthMapPipelines casters_;
     DepthBounds bounds_;
-    DiscResolve soft_;
+    MapResolve soft_;
     LineMap hard_;
     Map map_;
 };

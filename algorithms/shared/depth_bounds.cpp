@@ -3,6 +3,7 @@
 #include <array>
 
 #include "algorithms/shared/caster_lists.hpp"
+#include "algorithms/shared/source_size.hpp"
 #include "shaders/shared/depth_bounds.h"
 #include "shaders/shared_depth_bounds_comp.h"
 
@@ -83,6 +84,13 @@ BufferId DepthBounds::declare(PassBuilder& passes, const LightMap& map, std::uin
         side = row;
     }
     return buffer;
+}
+
+const char* refusesSearch(const DeviceTable& vk, const ShadowTask& task, std::uint32_t resolution)
+{
+    if (DepthBounds::memory(resolution, mapLayers(task.light->type)) > vk.properties.limits.maxStorageBufferRange)
+        return "its depth bounds are larger than a storage buffer may be";
+    return refusesDisc(*task.light);
 }
 
 } // namespace gnomon

@@ -12,11 +12,17 @@ public:
     /// Declares what is missing of the pyramids of the layers needed. @return a storage buffer, for depth_range.glsl
     BufferId declare(PassBuilder& passes, const LightMap& map, std::uint32_t resolution) const;
 
+    /// For MapResolveInfo::more of shaders that search the bounds for a light's disc (blocker_search.glsl).
+    static constexpr BindingInfo kBinding[] = {{.binding = 1, .kind = BindingKind::storageBuffer}};
+
     /// Device bytes.
     static VkDeviceSize memory(std::uint32_t resolution, std::uint32_t layers);
 
 private:
     PipelineId reduce_;
 };
+
+/// Why a map of that side cannot be searched for the light's blockers, or null.
+const char* refusesSearch(const DeviceTable& vk, const ShadowTask& task, std::uint32_t resolution);
 
 } // namespace gnomon

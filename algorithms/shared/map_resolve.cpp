@@ -1,5 +1,7 @@
 #include "algorithms/shared/map_resolve.hpp"
 
+#include <algorithm>
+
 #include "runtime/scene/light_pixels.hpp"
 #include "shaders/shared_map_resolve_vert.h"
 
@@ -51,23 +53,45 @@ void LookupPass::writes(const CameraView& view, ImageId target, const Part& part
     uses.writes(target, part).area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
 }
 
-MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info) : info_(info)
+MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info)
+    : name_(info.name), more_(info.more), sampler_(info.sampler), hasCube_(!info.cube.empty())
 {
-    const std::array bindings = lookupBindings(info.layers);
     GraphicsPipelineInfo pipeline;
     pipeline.name = info.name;
     pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment.code = info.fragment;
     pipeline.fragment.specializationCount = info.filters ? 2 : 1;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        for (std::uint32_t filtered = 0; filtered < 2; ++filtered) {
-            pipeline.fragment.specialization[0] = normals;
-            pipeline.fragment.specialization[1] = info.filters ? filtered : 0;
-            pipelines_[normals][filtered] = services.pipelines->graphics(pipeline); // equal ones are one
+    pipeline.colorFormat = info.format;
+    for (const bool cube : {false, true}) {
+        if (cube && !hasCube_) continue;
+        const std::array lookup = lookupBindings(cube || info.layers);
+        std::array<BindingInfo, lookup.size() + Lookup::kMostMore> bindings{};
+        std::ranges::copy(lookup, bindings.begin());
+        std::ranges::copy(info.more, bindings.begin() + lookup.size());
+        bindings[lookup.size() - 1].sampler = info.sampler;
+        pipeline.bindings = std::span(bindings).first(lookup.size() + info.more.size());
+        pipeline.fragment.code = cube ? info.cube : info.fragment;
+        for (const bool normals : {false, true}) {
+            for (const bool filtered : {false, true}) {
+                pipeline.fragment.specialization[0] = normals;
+                pipeline.fragment.specialization[1] = info.filters && filtered;
+                pipelines_[cube][normals][filtered] = services.pipelines->graphics(pipeline); // equal ones are one
+            }
         }
     }
+}
+
+LookupPass MapResolve::passOf(PassBuilder& passes, const ShadowTask& task, const LookupImages& look,
+                              const Lookup& lookup) const
+{
+    LookupPass pass = lookup.target ? LookupPass(passes, task, name_, look, lookup.target, lookup.otherwise)
+                                    : LookupPass(passes, task, name_, look);
+    for (const Lookup::Input& input : std::span(lookup.more).first(more_.size())) {
+        if (input.image)
+            pass.uses.samples(input.image);
+        else
+            pass.uses.reads(input.buffer);
+    }
+    return pass;
 }
 
 std::uint32_t filterSide(double setting)

@@ -49,39 +49,75 @@ private:
     VkRect2D pixels_; ///< Where the light reaches.
 };
 
-/// What a resolve shader of a family is called and where its code is.
+/// What a resolve shader of a family is called, where its code is and what it is given.
 struct MapResolveInfo {
-    const char* name = "";                   ///< Pass and pipelines.
-    std::span<const std::uint32_t> fragment; ///< Specialization: 0 has normals, 1 filtered.
-    bool layers = false;                     ///< The map is a 2D array.
-    bool filters = true;                     ///< The shader looks at 1.
+    const char* name = "";                    ///< Pass and pipelines.
+    std::span<const std::uint32_t> fragment;  ///< Specialization: 0 has normals, 1 filtered.
+    std::span<const std::uint32_t> cube = {}; ///< For point lights, whose map is a 2D array; empty: there are none.
+    bool layers = false;                      ///< The map of `fragment` is a 2D array.
+    bool filters = true;                      ///< The shader looks at 1.
+    std::span<const BindingInfo> more = {}; ///< Buffers and images beside lookupBindings(), kMostMore; static storage.
+    SamplerKind sampler = SamplerKind::nearestBorderFar; ///< Of the map.
+    VkFormat format = VK_FORMAT_R8_UNORM;                ///< Of what it writes.
+};
+
+/// How a map is looked up.
+struct Lookup {
+    static constexpr std::size_t kMostMore = 3;
+    struct Input {
+        ImageId image; ///< Null: the buffer.
+        BufferId buffer;
+    };
+
+    bool filtered = false;
+    std::array<Input, kMostMore> more{}; ///< For MapResolveInfo::more, in its order.
+    ImageId target{};                    ///< Null: the task's layer of visibility.
+    VkClearValue otherwise{};            ///< What pixels of the target have that the light does not reach.
 };
 
 class MapResolve {
 public:
     MapResolve(const AlgorithmServices& services, const MapResolveInfo& info);
 
-    /// Writes the task's layer of visibility. `constants`: those of mapConstants(), or a block that begins with them.
+    /// @param constants those of mapConstants(), or a block that begins with them
     template <typename Constants>
     void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const Constants& constants,
-                 bool filtered) const
+                 const Lookup& lookup) const
     {
         const LookupImages look(task, map);
-        const PipelineId pipeline = pipelines_[look.hasNormals][filtered];
         const Constants* block = passes.arena().make(constants);
-        LookupPass(passes, task, info_.name, look).record([=](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
+        LookupPass pass = passOf(passes, task, look, lookup);
+        pass.record([=, pipeline = pipelineOf(*task.light, look, lookup.filtered), inputs = lookup.more, more = more_,
+                     sampler = sampler_](PassContext& gpu) {
+            std::array<Bound, 4 + Lookup::kMostMore> bound = {gpu.constants(0, *block), gpu.sampled(2, look.depth),
+                                                              gpu.sampled(3, look.normals),
+                                                              gpu.sampled(4, look.map, sampler)};
+            for (std::size_t i = 0; i < more.size(); ++i)
+                bound[4 + i] = {.binding = more[i].binding,
+                                .kind = more[i].kind,
+                                .image = inputs[i].image,
+                                .buffer = inputs[i].buffer};
+            gpu.bind(pipeline, std::span(bound).first(4 + more.size()));
         });
     }
     void declare(PassBuilder& passes, const ShadowTask& task, ImageId map, const gpu::MapConstants& constants) const
     {
-        declare(passes, task, map, constants, constants.map.filterSide > 1.0f);
+        declare(passes, task, map, constants, {.filtered = constants.map.filterSide > 1.0f});
     }
 
 private:
-    MapResolveInfo info_;
-    PipelineId pipelines_[2][2]; ///< [has normals][filtered]
+    LookupPass passOf(PassBuilder& passes, const ShadowTask& task, const LookupImages& look,
+                      const Lookup& lookup) const;
+    PipelineId pipelineOf(const LightView& light, const LookupImages& look, bool filtered) const
+    {
+        return pipelines_[hasCube_ && light.type == GN_LIGHT_TYPE_POINT][look.hasNormals][filtered];
+    }
+
+    const char* name_;
+    std::span<const BindingInfo> more_;
+    SamplerKind sampler_;
+    bool hasCube_;
+    PipelineId pipelines_[2][2][2]; ///< [point light][has normals][filtered]
 };
 
 /// Odd side of the filter's box from the setting `filter`: an even one counts as the next odd one.

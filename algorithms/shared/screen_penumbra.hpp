@@ -31,11 +31,11 @@ private:
     void declareSoft(PassBuilder& passes, const ShadowTask& task);
 
     const DeviceTable& vk_;
-    ScreenPenumbraInfo info_;
+    glm::uvec4 hard_; ///< ScreenPenumbraConstants::hard
     DepthMapPipelines casters_;
     DepthBounds bounds_;
     ScreenBlur blur_;
-    PipelineId seen_[2][2]; ///< [point light][has normals]
+    MapResolve seen_;
     Map map_;
 };
 
