@@ -74,8 +74,7 @@ constinit const AlgorithmEntry kCubeMap{
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_FALLBACK_BIT |
               GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
-                         GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), 6); },
+    .memoryPerLight = lightMapMemory,
     .create = makeAlgorithm<CubeMapMethod>,
     .typicalWrongPercent = 0.35f, // docs/benchmarks-2026-11.md
 };

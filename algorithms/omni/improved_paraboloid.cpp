@@ -10,19 +10,18 @@
 
 #include <glm/trigonometric.hpp>
 
-#include "algorithms/omni/culling.hpp"
 #include "algorithms/omni/paraboloid_maps.hpp"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kCulling, kWidest, kContact };
+enum Setting { kResolution, kFilter, kCulling, kWidest };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of the map, and of each of the two halves where one does not serve.", 64, 4096,
      1024, true},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kParaboloidFilter,
     kCullingSetting,
     {"widest_cone", "Half angle, degrees, of the widest cone that one paraboloid is cut to; 0: two halves always.", 0,
      85, 80},
@@ -40,33 +39,21 @@ constexpr ParaboloidNames kNames{
                "improved_paraboloid.copy_statics.upper"}},
 };
 
-class ImprovedParaboloid final : public ShadowAlgorithm {
+class ImprovedParaboloid final : public ParaboloidMaps {
 public:
-    explicit ImprovedParaboloid(const AlgorithmServices& services) : maps_(services, kNames) {}
+    explicit ImprovedParaboloid(const AlgorithmServices& services) : ParaboloidMaps(services, kNames) {}
 
-    void declare(PassBuilder& passes, const ShadowTask& task) override
+private:
+    ParaboloidSet partsOf(const ShadowTask& task, std::uint32_t resolution, float reach,
+                          MapCulling culling) const override
     {
-        const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const MapCulling culling = mapCulling(task.settings[kCulling]);
         const LightView& light = *task.light;
-        const float reach = casterReach(light, sceneBounds(*task.casters));
         const Cone cone = coneOf(frustumOf(*task.view, light), light.position(), light.constants.range);
         const bool nothing = cone.cosine == 1.0f;
         const double widest = glm::radians(task.settings[kWidest]);
         const bool one = !nothing && widest > 0.0 && cone.cosine >= static_cast<float>(std::cos(widest));
-        maps_.declare(passes, task,
-                      one ? cutToCone(task, cone, resolution, reach) : lowerAndUpper(task, resolution, reach, culling),
-                      reach,
-                      {.resolution = resolution,
-                       .filterSide = filterSide(task.settings[kFilter]),
-                       .culling = culling,
-                       .contact = task.settings[kContact]});
+        return one ? cutToCone(task, cone, resolution, reach) : lowerAndUpper(task, resolution, reach, culling);
     }
-
-    const Map* lightMap() const override { return &maps_.map(); }
-
-private:
-    ParaboloidMaps maps_;
 };
 
 } // namespace
@@ -76,8 +63,7 @@ constinit const AlgorithmEntry kImprovedParaboloid{
     .source = "Navratil 2015, 4.1.1 to 4.1.3",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
-                         GnLightType) { return paraboloidMemory(settings[kResolution]); },
+    .memoryPerLight = ParaboloidMaps::memory,
     .create = makeAlgorithm<ImprovedParaboloid>,
     .typicalWrongPercent = 0.64f, // dual_paraboloid's, which it is where lights are in view
     .followsView = true,

@@ -104,18 +104,22 @@ ParaboloidMaps::ParaboloidMaps(const AlgorithmServices& services, const Parabolo
 {
 }
 
-void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set, float reach,
-                             const ParaboloidSettings& settings)
+void ParaboloidMaps::declare(PassBuilder& passes, const ShadowTask& task)
 {
-    const ImageId image = declareParts(passes, task, set, settings.resolution, reach, settings.culling);
+    const auto resolution = static_cast<std::uint32_t>(task.settings[0]);
+    const std::uint32_t side = filterSide(task.settings[1]);
+    const MapCulling culling = mapCulling(task.settings[2]);
+    const float reach = casterReach(*task.light, sceneBounds(*task.casters));
+    const ParaboloidSet set = partsOf(task, resolution, reach, culling);
+    const ImageId image = declareParts(passes, task, set, resolution, reach, culling);
     gpu::ParaboloidConstants constants{};
-    constants.base = mapConstants(task, settings.resolution, settings.filterSide);
+    constants.base = mapConstants(task, resolution, side);
     constants.base.map.farWs = reach;
     constants.parts[0] = set.parts[0];
     constants.parts[1] = set.parts[1];
     constants.firstWs = glm::vec4(set.firstWs, 0.0f);
-    resolve_.declare(passes, task, image, constants, {.filtered = settings.filterSide > 1});
-    contact_.declare(passes, task, settings.contact);
+    resolve_.declare(passes, task, image, constants, {.filtered = side > 1});
+    contact_.declare(passes, task, task.settings.back());
     map_ = {.image = image,
             .clipFromWorld = {},
             .validLayers = set.needed,
@@ -174,6 +178,11 @@ std::span<const Caster* const> ParaboloidMaps::fineOnes(std::span<const Caster* 
     for (const Caster* caster : casters)
         if (cutter_.isFine(*caster, light, cutSide)) kept[count++] = caster;
     return kept.first(count);
+}
+
+VkDeviceSize ParaboloidMaps::memory(std::span<const double> settings, VkExtent2D, GnLightType)
+{
+    return depthMapMemory(static_cast<std::uint32_t>(settings[0]), 2);
 }
 
 } // namespace gnomon

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "algorithms/omni/culling.hpp"
 #include "algorithms/omni/cut_casters.hpp"
 #include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_map.hpp"
@@ -23,27 +24,28 @@ struct ParaboloidNames {
     LayerNames parts[2];
 };
 
-/// What the host sets of all of these methods.
-struct ParaboloidSettings {
-    std::uint32_t resolution;
-    std::uint32_t filterSide; ///< Texels, odd.
-    MapCulling culling;
-    double contact; ///< kContactSetting
-};
+/// Setting of all of these methods, the second.
+inline constexpr SettingSpec kParaboloidFilter{
+    "filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1};
 
-/// One per method.
-class ParaboloidMaps {
+/// A method with such maps. Its settings begin with `resolution`, kParaboloidFilter and kCullingSetting, and end with
+/// kContactSetting.
+class ParaboloidMaps : public ShadowAlgorithm {
 public:
     ParaboloidMaps(const AlgorithmServices& services, const ParaboloidNames& names);
 
     /// Declares the parts that are out of date and the pass that writes the task's layer of visibility.
-    /// @param reach distance of depth 1, metres: casterReach()
-    void declare(PassBuilder& passes, const ShadowTask& task, const ParaboloidSet& set, float reach,
-                 const ParaboloidSettings& settings);
+    void declare(PassBuilder& passes, const ShadowTask& task) final;
+    const Map* lightMap() const final { return &map_; }
 
-    const ShadowAlgorithm::Map& map() const { return map_; }
+    /// Of two parts.
+    static VkDeviceSize memory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
 
 private:
+    /// @param reach distance of depth 1, metres: casterReach()
+    virtual ParaboloidSet partsOf(const ShadowTask& task, std::uint32_t resolution, float reach,
+                                  MapCulling culling) const = 0;
+
     struct Pipelines {
         PipelineId objects; ///< Meshes through the table of transforms.
         PipelineId cut;     ///< World-space triangles.
@@ -60,13 +62,7 @@ private:
     MapResolve resolve_;
     ContactShadows contact_;
     CasterCutter cutter_;
-    ShadowAlgorithm::Map map_;
+    Map map_;
 };
-
-/// Device bytes of two parts.
-inline VkDeviceSize paraboloidMemory(double resolution)
-{
-    return depthMapMemory(static_cast<std::uint32_t>(resolution), 2);
-}
 
 } // namespace gnomon

@@ -9,18 +9,17 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "algorithms/omni/culling.hpp"
 #include "algorithms/omni/paraboloid_maps.hpp"
 
 namespace gnomon {
 
 namespace {
 
-enum Setting { kResolution, kFilter, kCulling, kSkew, kContact };
+enum Setting { kResolution, kFilter, kCulling, kSkew };
 
 constexpr SettingSpec kSettings[] = {
     {"resolution", "Texels per side of each of the two halves.", 64, 4096, 1024, true},
-    {"filter", "Texels per side of the box that is averaged: 1 (nearest), 3, 5 or 7.", 1, gpu::MAX_FILTER_SIDE, 1},
+    kParaboloidFilter,
     kCullingSetting,
     {"skew", "Degrees by which the paraboloids lean away from where the view looks; 0: two plain halves.", 0, 45, 30},
     kContactSetting,
@@ -37,30 +36,18 @@ constexpr ParaboloidNames kNames{
                "skewed_paraboloid.copy_statics.second"}},
 };
 
-class SkewedParaboloid final : public ShadowAlgorithm {
+class SkewedParaboloid final : public ParaboloidMaps {
 public:
-    explicit SkewedParaboloid(const AlgorithmServices& services) : maps_(services, kNames) {}
-
-    void declare(PassBuilder& passes, const ShadowTask& task) override
-    {
-        const std::uint32_t resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        const MapCulling culling = mapCulling(task.settings[kCulling]);
-        const float reach = casterReach(*task.light, sceneBounds(*task.casters));
-        const glm::vec3 dense = beforeTheEye(*task.view, task.light->position());
-        maps_.declare(passes, task,
-                      skewedHalves(task, beside(dense), dense, static_cast<float>(glm::radians(task.settings[kSkew])),
-                                   resolution, reach, culling),
-                      reach,
-                      {.resolution = resolution,
-                       .filterSide = filterSide(task.settings[kFilter]),
-                       .culling = culling,
-                       .contact = task.settings[kContact]});
-    }
-
-    const Map* lightMap() const override { return &maps_.map(); }
+    explicit SkewedParaboloid(const AlgorithmServices& services) : ParaboloidMaps(services, kNames) {}
 
 private:
-    ParaboloidMaps maps_;
+    ParaboloidSet partsOf(const ShadowTask& task, std::uint32_t resolution, float reach,
+                          MapCulling culling) const override
+    {
+        const glm::vec3 dense = beforeTheEye(*task.view, task.light->position());
+        return skewedHalves(task, beside(dense), dense, static_cast<float>(glm::radians(task.settings[kSkew])),
+                            resolution, reach, culling);
+    }
 };
 
 } // namespace
@@ -70,8 +57,7 @@ constinit const AlgorithmEntry kSkewedParaboloid{
     .source = "Navratil 2015, 4.1.4",
     .traits = GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
-                         GnLightType) { return paraboloidMemory(settings[kResolution]); },
+    .memoryPerLight = ParaboloidMaps::memory,
     .create = makeAlgorithm<SkewedParaboloid>,
     .typicalWrongPercent = 0.58f, // as gnomon bench prints it for colonnade, skewed_paraboloid.md
     .followsView = true,

@@ -53,10 +53,7 @@ constinit const AlgorithmEntry kRbsm{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
-            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type));
-        },
+    .memoryPerLight = lightMapMemory,
     .create = makeAlgorithm<Rbsm>,
     .typicalWrongPercent = 0.37f, // rbsm.md
 };

@@ -85,11 +85,7 @@ constinit const AlgorithmEntry kRbssm{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
-            const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
-            return depthMapMemory(resolution, mapLayers(type)) + DepthBounds::memory(resolution, mapLayers(type));
-        },
+    .memoryPerLight = searchedMapMemory,
     .create = makeAlgorithm<Rbssm>,
     .typicalWrongPercent = 0.37f, // of lights without a radius: rbsm's
 };

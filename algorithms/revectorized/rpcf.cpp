@@ -51,10 +51,7 @@ constinit const AlgorithmEntry kRpcf{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
               GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
-            return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution]), mapLayers(type));
-        },
+    .memoryPerLight = lightMapMemory,
     .create = makeAlgorithm<Rpcf>,
     .typicalWrongPercent = 1.2f, // rpcf.md
 };

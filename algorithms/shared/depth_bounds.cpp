@@ -86,6 +86,12 @@ BufferId DepthBounds::declare(PassBuilder& passes, const LightMap& map, std::uin
     return buffer;
 }
 
+VkDeviceSize searchedMapMemory(std::span<const double> settings, VkExtent2D extent, GnLightType type)
+{
+    return lightMapMemory(settings, extent, type) +
+           DepthBounds::memory(static_cast<std::uint32_t>(settings[0]), mapLayers(type));
+}
+
 const char* refusesSearch(const DeviceTable& vk, const ShadowTask& task, std::uint32_t resolution)
 {
     if (DepthBounds::memory(resolution, mapLayers(task.light->type)) > vk.properties.limits.maxStorageBufferRange)

@@ -22,6 +22,9 @@ private:
     PipelineId reduce_;
 };
 
+/// AlgorithmEntry::memoryPerLight of methods whose first setting is the side of a light's map with its bounds.
+VkDeviceSize searchedMapMemory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
+
 /// Why a map of that side cannot be searched for the light's blockers, or null.
 const char* refusesSearch(const DeviceTable& vk, const ShadowTask& task, std::uint32_t resolution);
 

@@ -167,4 +167,9 @@ VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers)
     return VkDeviceSize{resolution} * resolution * layers * 4 * 2;
 }
 
+VkDeviceSize lightMapMemory(std::span<const double> settings, VkExtent2D, GnLightType type)
+{
+    return depthMapMemory(static_cast<std::uint32_t>(settings[0]), mapLayers(type));
+}
+
 } // namespace gnomon

@@ -88,4 +88,7 @@ constexpr std::uint32_t mapLayers(GnLightType type)
 /// Device bytes of one map, a kept copy of the static casters included.
 VkDeviceSize depthMapMemory(std::uint32_t resolution, std::uint32_t layers = 1);
 
+/// The same as AlgorithmEntry::memoryPerLight, of methods whose first setting is the side of a light's map.
+VkDeviceSize lightMapMemory(std::span<const double> settings, VkExtent2D extent, GnLightType type);
+
 } // namespace gnomon

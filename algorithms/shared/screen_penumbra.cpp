@@ -62,9 +62,7 @@ const char* ScreenPenumbra::refuses(const ShadowTask& task) const
 
 VkDeviceSize ScreenPenumbra::memory(std::span<const double> settings, VkExtent2D extent, GnLightType type)
 {
-    const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
-    const std::uint32_t layers = mapLayers(type);
-    return depthMapMemory(resolution, layers) + DepthBounds::memory(resolution, layers) + ScreenBlur::memory(extent);
+    return searchedMapMemory(settings, extent, type) + ScreenBlur::memory(extent);
 }
 
 } // namespace gnomon

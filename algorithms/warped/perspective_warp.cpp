@@ -154,8 +154,7 @@ constinit const AlgorithmEntry kPerspectiveWarp{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
               GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
-                         GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
+    .memoryPerLight = lightMapMemory,
     .create = makeAlgorithm<PerspectiveWarp>,
     .typicalWrongPercent = 0.54f,
     .followsView = true,

@@ -72,8 +72,7 @@ constinit const AlgorithmEntry kTrapezoidal{
     .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
               GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
-    .memoryPerLight = [](std::span<const double> settings, VkExtent2D,
-                         GnLightType) { return depthMapMemory(static_cast<std::uint32_t>(settings[kResolution])); },
+    .memoryPerLight = lightMapMemory,
     .create = makeAlgorithm<Trapezoidal>,
     .typicalWrongPercent = 0.5f,
     .followsView = true,
