@@ -81,7 +81,7 @@ PipelineId levelsPipeline(const AlgorithmServices& services, std::uint32_t words
     const std::array bindings = {
         kConstantsBinding,
         BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = format, .powerOfTwo = true},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageImage, .format = format}};
+        BindingInfo{.binding = 2, .kind = BindingKind::storageImage, .format = format, .powerOfTwo = true}};
     ComputePipelineInfo info;
     info.name = "moments.levels";
     info.compute.code = codes[logOf(words)];

@@ -33,7 +33,7 @@ constexpr SettingSpec kSettings[] = {
     {"bleeding", "Share of light below which a pixel counts as umbra.", 0, 0.9, 0.1},
     kFitSetting,
     kContactSetting,
-    {"mips", "1: pixels wider than the filter look at smaller maps, which take 3/8 more memory.", 0, 1, 0},
+    {"mips", "1: pixels wider than the filter look at smaller maps, which take half more memory.", 0, 1, 0},
 };
 
 MomentFilter filterOf(std::span<const double> settings)

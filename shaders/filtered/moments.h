@@ -65,10 +65,11 @@ GN_SHARED_CONST uint MOMENT_LEVELS = 5u;
 // Texels of level 0 per side that a work group makes all levels of.
 GN_SHARED_CONST uint MOMENT_LEVELS_TILE = 32u;
 
-// All levels lie in one image of these texels: level 1 on the left, the rest in a column beside it.
+// All levels lie in one image of these texels: level 1 on the left, the rest in a column beside it. A column of half the width
+// would do for them; but where the sides of maps are powers of two, so are these.
 GN_SHARED_FN uvec2 momentLevelsExtent(uint side)
 {
-    return uvec2((side >> 1) + (side >> 2), side >> 1);
+    return uvec2(side, side >> 1);
 }
 
 // Where a level begins there. Level n has side >> n texels per side.

@@ -1,5 +1,6 @@
 // Formulas of filtered moments, as the shaders have them, against counting and brute force.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -301,6 +302,26 @@ TEST_CASE("no depths, exponents and formats give what is no number, and none tha
     CHECK(linearZ(spot, 0.0f) == doctest::Approx(0.001));
     CHECK(linearZ(spot, 1.0f) == 1.0f);
     CHECK(linearZ(spot, -1e30f) == doctest::Approx(0.0));
+}
+
+// Shaders for images of such sides differ: the warm-up runs those.
+TEST_CASE("smaller maps lie in an image whose sides are powers of two as the map's are, side by side")
+{
+    for (uint side = 64; side <= 2048; side *= 2) {
+        const uvec2 extent = momentLevelsExtent(side);
+        CHECK(std::has_single_bit(extent.x));
+        CHECK(std::has_single_bit(extent.y));
+        std::vector<int> covered(size_t{extent.x} * extent.y);
+        for (uint level = 1; level <= MOMENT_LEVELS; ++level) {
+            const uvec2 corner = momentLevelCorner(side, level);
+            REQUIRE(corner.x + (side >> level) <= extent.x);
+            REQUIRE(corner.y + (side >> level) <= extent.y);
+            for (uint y = 0; y < side >> level; ++y)
+                for (uint x = 0; x < side >> level; ++x)
+                    ++covered[size_t{corner.y + y} * extent.x + corner.x + x];
+        }
+        CHECK(std::ranges::max(covered) == 1);
+    }
 }
 
 TEST_CASE("the setting says what the exponent is clamped to, and does not take more than 32 bits hold")
