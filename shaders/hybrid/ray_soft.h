@@ -17,9 +17,9 @@ GN_SHARED_CONST uint SOFT_MOTION = 8u;   // motion vectors lead to it
 // std140.
 struct RaySoftConstants {
     RayQueryConstants base;
-    uvec4 state; // x: bits; y: rays a pixel; z: the sequence's first number; w: which of SoftCameras::views the history is of
+    uvec4 state; // x: bits; y: rays a pixel and frame; z: the sequence's first number; w: which of SoftCameras::views the history is of
     vec4 disc;   // x: radius of the light's disc over the length of the ray to its centre, 1 for directional lights; y: frames
-                 // whose rays count at most
+                 // whose rays count at most; z: rays a pixel in this frame, more in a first one
     vec4 sourceX; // xyz: half axes of a flat source, metres; zero: a sphere. w: 1 of a disc, 0 of a rectangle
     vec4 sourceY;
     vec4 motion; // xyz: GnViewFrame::motionScale

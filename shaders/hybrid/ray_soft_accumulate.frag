@@ -74,7 +74,7 @@ vec4 pastOf(ViewConstants view, Surface surface, Before before)
     ivec2 first = ivec2(floor(at));
     vec2 part = at - floor(at);
     vec4 sum = vec4(0.0);
-    float weights = 0.0;
+    float weights = 0.0, known = 0.0;
     for (int i = 0; i < 4; ++i) {
         ivec2 step = ivec2(i & 1, i >> 1), pixel = first + step;
         vec2 share = mix(1.0 - part, part, vec2(step));
@@ -84,8 +84,11 @@ vec4 pastOf(ViewConstants view, Surface surface, Before before)
         if (!(offPlane(surface, placeWs(view, pixel, past.w)) <= before.slackWs)) continue;
         sum += share.x * share.y * past;
         weights += share.x * share.y;
+        known += past.y > 0.0 ? share.x * share.y : 0.0;
     }
-    return weights > 0.05 ? sum / weights : vec4(0.0);
+    if (!(weights > 0.05)) return vec4(0.0);
+    float width = known > 0.0 ? sum.y / known : 0.0; // of those that know it: others would make it narrower
+    return vec4(sum.x / weights, width, sum.zw / weights);
 }
 
 // The past may be of a shadow that has moved on. It is held within what rays around the pixel say now, and how surely: mean and

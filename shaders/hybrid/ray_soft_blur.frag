@@ -18,9 +18,11 @@ layout(constant_id = 1) const bool IS_LAST = false;
 #include "../shared/soft_surface.glsl"
 
 const int TAPS = 12;
-// Radius over half of the penumbra's width, for as few rays as FEW_RAYS; with more it shrinks with their root, as noise does.
-const float REACH = 0.6;
-const float FEW_RAYS = 8.0;
+// Radius over the geometric mean of half the penumbra's width and of a pixel. The blur itself is off by the square of radius
+// over width, the noise of squarePoint()'s lattice by that of a pixel over the radius: both are least together there. Of
+// simulated edges, half as wide as 1 to 16 pixels, 1.3 to 1.6 are the best factors. With more rays it shrinks with their cube
+// root: what is left of noise after some frames is less than the blur.
+const float REACH = 1.5;
 const float MOST_PIXELS = 32.0; // of the radius: what a frame can look up without leaving its caches
 const float GOLDEN_ANGLE = 2.3999632;
 
@@ -48,12 +50,14 @@ float weightOf(vec4 found) { return (constants.state.x & SOFT_WEIGHTED) != 0u ? 
 // their z; and of how many it is, were they of one weight. With weights, sums of light that arrives are divided by sums of light
 // that would: the ratio of E. Heitz, S. Hill and M. McGuire, "Combining analytic direct illumination and stochastic shadows"
 // (I3D 2018).
-vec3 blurred(ivec2 pixel, vec4 own, float radius)
+// halfWidth: of the penumbra, metres; rays: that the pixel has asked
+vec3 blurred(ivec2 pixel, vec4 own, float halfWidth, float rays)
 {
     Surface surface = surfaceAt(constants.base.view, constants.base.area, pixel);
     vec3 n = surface.normalWs;
     vec3 across = abs(n.x) < 0.6 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
     vec3 x = normalize(cross(n, across)), y = cross(n, x);
+    float radius = REACH * sqrt(halfWidth * surface.pixelWs) * pow(rays, -1.0 / 3.0);
     radius = min(radius, MOST_PIXELS * surface.pixelWs);
     if (!(radius > 0.5 * surface.pixelWs)) return vec3(own.xz, 1.0); // every tap is the pixel itself
     uvec2 turn = uvec2(pixel) * uvec2(0xdb4f0b91u, 0xbbe05633u); // as squarePoint() of ray_soft_trace.frag
@@ -88,7 +92,6 @@ void main()
     if (!(own.y >= 0.0)) return;
     float around = widthAround(pixel);
     if (!(around > 0.0)) return;
-    float rays = own.z * float(clamp(constants.state.y, 1u, SOFT_RAYS));
-    float radius = REACH * (own.y > 0.0 ? own.y : around) * min(1.0, sqrt(FEW_RAYS / max(rays, 1.0)));
-    seen.xzw = blurred(pixel, own, radius);
+    float rays = max(own.z * float(clamp(constants.state.y, 1u, SOFT_RAYS)), 1.0);
+    seen.xzw = blurred(pixel, own, own.y > 0.0 ? own.y : around, rays);
 }

@@ -92,7 +92,7 @@ vec3 traceSource(ivec2 pixel, LightRay centre, vec3 normalWs)
     Source source = sourceSeen(centre.along);
     bool isWeighted = (constants.state.x & SOFT_WEIGHTED) != 0u;
     float usual = isWeighted ? max(meanShine(source, centre.along, normalWs), 1e-30) : 1.0;
-    uint rays = clamp(constants.state.y, 1u, SOFT_RAYS);
+    uint rays = clamp(uint(constants.disc.z), 1u, SOFT_RAYS);
     float arrived = 0.0, asked = 0.0, blocked = 0.0, width = 0.0;
     for (uint i = 0u; i < SOFT_RAYS; ++i) {
         if (i >= rays) break;
@@ -110,7 +110,7 @@ vec3 traceSource(ivec2 pixel, LightRay centre, vec3 normalWs)
         }
     }
     return vec3(arrived / max(asked, 1e-30), blocked > 0.0 ? clamp(width / blocked, 1e-5, 60000.0) : 0.0,
-                asked / float(rays));
+                asked / float(clamp(constants.state.y, 1u, SOFT_RAYS)));
 }
 
 void main()

@@ -350,4 +350,56 @@ TEST_CASE("a camera that moves keeps what it has seen of the same places")
     }
 }
 
+namespace {
+
+/// The scene, and its camera on a way of a metre a second.
+Scene panned(Scene scene)
+{
+    scene.camera.resize(1);
+    scene.camera.push_back(scene.camera[0]);
+    scene.camera[1].time = 1.0;
+    scene.camera[1].eye += glm::dvec3(1.0, 0.1, -0.3);
+    return scene;
+}
+
+/// RMSE in the penumbra of the next frame, and of hard shadows.
+struct NextOff {
+    double soft, hard;
+};
+NextOff drawNext(Stage& stage, double time)
+{
+    stage.goTo(time);
+    const Pictures pictures = stage.draw(kSoft);
+    const std::vector<SoftTruth> truths = tracedSoftTruths(stage);
+    const SoftError soft = compareSoft(pictures, truths), hard = compareSoft(stage.truth, truths);
+    CHECK(soft.penumbra.pixels > 300);
+    return {soft.penumbra.rmse(), hard.penumbra.rmse()};
+}
+
+} // namespace
+
+TEST_CASE("the second frame beside a camera that moves is no worse than the first")
+{
+    const test::DeviceTest silence;
+    Stage stage(panned(softScene(Caster::torus, LightKind::Point, 1.6, 0.3f)), kSize);
+    if (!canTrace(stage)) return;
+    const double begun = drawNext(stage, 0.0).soft, next = drawNext(stage, 1.0 / 60.0).soft;
+    MESSAGE("RMSE " << begun << ", then " << next);
+    CHECK(next <= begun);
+}
+
+// Penumbrae of one to four pixels, of three lights.
+TEST_CASE(
+    "narrow penumbrae beside a camera and a caster that move are nearer to the truth than hard shadows, by a third")
+{
+    const test::DeviceTest silence;
+    Stage stage(panned(shippedScene("views/soft_table")), {160, 90});
+    if (!canTrace(stage)) return;
+    for (int frame = 0; frame < 8; ++frame) {
+        const NextOff off = drawNext(stage, frame / 60.0);
+        MESSAGE("frame " << frame << ": RMSE " << off.soft << ", hard " << off.hard);
+        CHECK(1.5 * off.soft <= off.hard);
+    }
+}
+
 } // namespace gnomon::exact
