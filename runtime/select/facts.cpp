@@ -23,6 +23,7 @@ const std::array<FactName, kFactCount> kFactNames = {{
     {"frameRate", "Hz"},
     {"penumbraPixels", "px"},
     {"recorded", "flag"},
+    {"texelPixels", "px"},
 }};
 
 double trianglesFact(double triangles) noexcept

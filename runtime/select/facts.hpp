@@ -24,6 +24,8 @@ enum class Fact : std::uint8_t {
     frameRate,         ///< Hz, mean over the last 30 frames.
     penumbraPixels, ///< Predicted width of the light's penumbrae, pixels; 0 of a point source, unknown until measured.
     recorded,       ///< 1: the frame is recorded into the host's command buffer, without the CPU between its passes.
+    texelPixels,    ///< Pixels across a texel of a plain map of 1024, mean over the light's receivers; unknown (NaN)
+                    ///< until measured.
     count
 };
 constexpr std::size_t kFactCount = static_cast<std::size_t>(Fact::count);

@@ -221,6 +221,7 @@ LightDecision Selector::assess(const SelectionInput& input, const LightMemory& m
     fact(Fact::frameBudget) = input.frameBudget;
     fact(Fact::frameRate) = input.frameRate;
     fact(Fact::penumbraPixels) = penumbraOf(memory, *input.light);
+    fact(Fact::texelPixels) = memory.measured ? double{memory.texelPixels} : std::numeric_limits<double>::quiet_NaN();
     fact(Fact::recorded) = input.recorded ? 1.0 : 0.0;
 
     if (!input.seen) {

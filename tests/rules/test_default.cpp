@@ -1,6 +1,7 @@
 #include "yaml_support.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "rules/engine/lint.hpp"
 #include "rules/yaml/shipped.hpp"
@@ -198,7 +199,7 @@ TEST_CASE("far penumbrae suit even edges best by default.yaml while nothing move
         const Engine engine = bound(parsed(shippedRuleBase(name)));
         Inference inference = engine.makeInference();
         const auto best = [&](double motion, double distance, double triangles, double pixels) {
-            engine.evaluate(std::vector<double>{2, motion, distance, 0.3, triangles, 0.0, 0.5, 0.3, 0.0, pixels},
+            engine.evaluate(std::vector<double>{2, motion, distance, 0.3, triangles, 0.0, 0.5, 0.3, 0.0, pixels, 1.0},
                             inference);
             return bestOf(inference, all);
         };
@@ -213,6 +214,31 @@ TEST_CASE("far penumbrae suit even edges best by default.yaml while nothing move
         }
         if (even) CHECK(best(1, 80, 4.5, 8) == "shadow_map"); // drawn and filtered anew
     }
+}
+
+TEST_CASE("pages serve a light whose one map is too coarse: far off, and in recorded frames wherever it is")
+{
+    constexpr double kNoPenumbra = 0.0, kFine = 2.0, kCoarse = 20.0;
+    const Names all = {"shadow_map", "cascades", "virtual_map", "trapezoidal", "rbsm", "perspective_warp"};
+    const auto best = [&](const char* base, double motion, double distance, double recorded, double texel) {
+        const Engine engine = bound(parsed(shippedRuleBase(base)));
+        Inference inference = engine.makeInference();
+        engine.evaluate(std::vector<double>{0, motion, distance, 0.9, 5.5, 0.0, 0.2, 0.3, recorded, kNoPenumbra, texel},
+                        inference);
+        return bestOf(inference, all);
+    };
+    for (const double motion : {0.0, 1.0}) {
+        CAPTURE(motion);
+        CHECK(best("default", motion, 80.0, 0.0, kCoarse) == "virtual_map");
+        CHECK(best("default", motion, 5.0, 1.0, kCoarse) == "virtual_map");
+        CHECK(best("default", motion, 80.0, 0.0, kFine) == "shadow_map");
+        CHECK(best("default", motion, 5.0, 1.0, kFine) == "shadow_map");
+        CHECK(best("default", motion, 5.0, 1.0, std::numeric_limits<double>::quiet_NaN()) == "shadow_map");
+        CHECK(best("quality", motion, 80.0, 0.0, kCoarse) == "virtual_map");
+    }
+    CHECK(best("battery", 0.0, 5.0, 0.0, kCoarse) == "virtual_map");
+    CHECK(best("battery", 0.0, 5.0, 0.0, kFine) == "shadow_map");
+    CHECK(best("battery", 1.0, 5.0, 0.0, kCoarse) == "shadow_map"); // drawn anew
 }
 
 TEST_CASE("the shipped rule bases are found by name, and nothing else is")

@@ -15,10 +15,9 @@ namespace gnomon::rules::test {
 
 /// The facts and methods, as the runtime offers them.
 inline const std::vector<FactInfo> kFacts = {
-    {"dynamicLights", "count"},     {"lightMotion", "share"},     {"viewerDistance", "m"},
-    {"screenShare", "share"},       {"casterTriangles", "log10"}, {"lightRadius", "m"},
-    {"receiverPlanarity", "share"}, {"frameBudget", "ratio"},     {"recorded", "flag"},
-    {"penumbraPixels", "px"}};
+    {"dynamicLights", "count"},   {"lightMotion", "share"}, {"viewerDistance", "m"},        {"screenShare", "share"},
+    {"casterTriangles", "log10"}, {"lightRadius", "m"},     {"receiverPlanarity", "share"}, {"frameBudget", "ratio"},
+    {"recorded", "flag"},         {"penumbraPixels", "px"}, {"texelPixels", "px"}};
 inline const RuleVocabulary kBuiltIn = [] {
     const AlgorithmRegistry registry = builtinRegistry();
     RuleVocabulary words(registry);
