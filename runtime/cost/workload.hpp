@@ -32,6 +32,7 @@ struct Workload {
     double mapFilled = 1.0;   ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
     double mapTouched = 1.0;  ///< Share of the maps (one, or six faces) that these casters touch.
     double treeLevels = 0.0;  ///< On the way of a reached pixel's ray; 0 for methods that trace few.
+    bool viewRests = true;    ///< So does the view: the update of a map that follows it may be skipped, too.
     double redrawEvery = 1.0; ///< Frames from one update to the next, of what is not still; >= 1.
 
     bool operator==(const Workload&) const = default;

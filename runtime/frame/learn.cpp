@@ -16,7 +16,7 @@ LightTiming timingOf(const FrameTimings& timings, std::uint32_t view, std::uint3
     for (const PassTiming& pass : timings.passes) {
         if (pass.owner.light != light || pass.owner.declarer != method) continue;
         if (pass.owner.view != UINT32_MAX && pass.owner.view != view) continue;
-        const bool update = pass.owner.view == UINT32_MAX; // light scope
+        const bool update = pass.owner.isUpdate();
         out.updated |= update;
         (update ? out.updateGpuMs : out.resolveGpuMs) += pass.gpuMs * scale;
         (update ? out.updateCpuMs : out.resolveCpuMs) += pass.cpuMs;

@@ -119,6 +119,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
                                           .recorded = frame.mode == FrameMode::recorded,
                                           .seen = state.pinned != UINT32_MAX || canBeSeen(light, view.camera),
                                           .still = isStill(light, casters, state.motion),
+                                          .viewRests = frame.number - view.movedIn >= kRestFrames,
                                           .memoryLeft = limit - std::min(parts.memory.used(), limit),
                                           .frame = frame.number}});
     }

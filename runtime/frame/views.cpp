@@ -1,6 +1,7 @@
 #include "runtime/frame/views.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "runtime/base/make_room.hpp"
@@ -63,6 +64,14 @@ Result<void> beginVisibility(View& view, VkExtent2D extent, ResourcePool& pool)
     view.visibility = std::move(*made);
     view.revision = 1;
     return {};
+}
+
+/// Whether two frames of a view look from one place in one direction at one scale. Projections may differ: those of
+/// hosts that jitter do in every frame, by less than a pixel.
+bool samePose(const CameraView& a, const CameraView& b)
+{
+    return std::equal(std::begin(a.origin), std::end(a.origin), std::begin(b.origin)) && a.eye == b.eye &&
+           a.viewFromWorld == b.viewFromWorld && a.constants.pixelSize == b.constants.pixelSize;
 }
 
 /// What methods do not read as the host has it.
@@ -167,7 +176,9 @@ Result<void> openView(Frame& frame, std::uint32_t index, const GnViewFrame& give
     const VkExtent2D extent = given.imageExtent;
     if (!view.visibility || !sameSize(view.visibility->gpu.extent, extent))
         if (Result<void> made = resizeVisibility(view, extent, parts.pool, frame.number); !made) return made;
+    const CameraView before = view.camera;
     view.camera = makeCameraView(given, parts.origin, view.id, parts.casters);
+    if (!samePose(view.camera, before)) view.movedIn = frame.number;
     if (given.cameraCut) {
         view.grid->invalidate();
         for (auto& [id, memory] : view.lights) {

@@ -50,9 +50,13 @@ struct View {
     std::vector<Candidate> candidates;                     ///< Of the decisions, light by light.
     RecordRing records;                                    ///< Of the last frames.
     CameraView camera;                                     ///< Of the frame under way.
+    std::uint64_t movedIn = 0;                             ///< The newest frame in which its eye moved or turned.
     SampledLights sampled;                                 ///< As hosts were told last.
     std::uint64_t lastFrame = 0;                           ///< The newest whose lights were decided.
 };
+
+/// After which a view is at rest, as lights are (MotionHistory::rests()).
+constexpr std::uint64_t kRestFrames = 4;
 
 /// The views of a context.
 class Views {

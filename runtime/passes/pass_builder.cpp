@@ -5,6 +5,7 @@
 #include "runtime/passes/area_copy.hpp"
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/passes/pass_graph.hpp"
+#include "runtime/vk/memory.hpp"
 
 namespace gnomon {
 
@@ -194,6 +195,7 @@ ImageId PassGraph::findOrMake(const ImageInfo& info, bool persistent)
         return {};
     }
     const ImageId id = addImage(**image, info.name);
+    images_[id.index].keptDepths = persistent && (aspectsOf(info.format) & VK_IMAGE_ASPECT_DEPTH_BIT) != 0;
     store(key, id.index);
     return id;
 }

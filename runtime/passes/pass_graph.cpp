@@ -276,12 +276,25 @@ void PassGraph::add(std::uint32_t resource, bool isImage, AccessKind kind, const
     accesses_.push_back(access);
 }
 
+/// A map that follows the view is kept by the task, and what draws it costs what the drawing of any map does.
+bool PassGraph::drawsKept(const Pass& pass) const
+{
+    bool writes = false;
+    for (const Access& access : accesses(pass)) {
+        if (!accessTraits(access, pass.kind).write) continue;
+        if (!access.isImage || !images_[access.resource].keptDepths) return false;
+        writes = true;
+    }
+    return writes;
+}
+
 void PassGraph::close(void (*fn)(void*, PassContext*, HostContext*), const void* body, std::size_t size,
                       std::size_t alignment)
 {
     if (pendingDropped_) return;
     pending_.accessCount = static_cast<std::uint32_t>(accesses_.size()) - pending_.firstAccess;
     pending_.fn = pendingBroken_ ? nullptr : fn;
+    pending_.owner.drawsKept = drawsKept(pending_);
     pending_.body = arena_.allocate(size, alignment);
     std::memcpy(pending_.body, body, size);
     const std::uint32_t index = static_cast<std::uint32_t>(passes_.size());

@@ -63,6 +63,10 @@ struct PassOwner {
     std::uint32_t method = UINT32_MAX;
     std::uint32_t declarer = UINT32_MAX; ///< The method that declared it; of a shared pass, the first that did.
     MethodSet declarers;                 ///< The methods that did.
+    bool drawsKept = false;              ///< All that it writes are depths that are kept.
+
+    /// Whether its time is the light's update (runtime/cost), not what the view's pixels take.
+    bool isUpdate() const { return drawsKept || view == UINT32_MAX; }
 };
 
 struct Pass {
@@ -83,6 +87,7 @@ struct FrameImage {
     std::uint64_t key = 0;
     PooledImage* pooled = nullptr;
     const char* name = "";
+    bool keptDepths = false;           ///< Persistent, of a depth format.
     std::uint32_t newest = UINT32_MAX; ///< Newest access.
 };
 struct FrameBuffer {
@@ -154,6 +159,7 @@ private:
     void add(std::uint32_t resource, bool isImage, AccessKind kind, const Part& part);
     void close(void (*fn)(void*, PassContext*, HostContext*), const void* body, std::size_t size,
                std::size_t alignment);
+    bool drawsKept(const Pass& pass) const;
     void place(Pass& pass, std::uint32_t index);
     /// The frame's answer about a stamp, given once more; who is the next to promise what a task has taken back.
     bool answeredAgain(KeptState& kept, std::uint64_t stamp);

@@ -46,8 +46,9 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     cost::Workload workload = light;
     const double plain = light.mapTexels > 0.0 ? std::sqrt(light.mapTexels) : double{kUnmeasuredSide};
     const double side = method.mapSide(static_cast<std::uint32_t>(std::lround(plain)));
-    workload.mapTexels = side * side * (light.point ? 6.0 : 1.0);        // the faces of a cube
-    if (!method.looksUpMaps()) workload.redrawEvery = 1.0;               // goes by what is now
+    workload.mapTexels = side * side * (light.point ? 6.0 : 1.0); // the faces of a cube
+    if (!method.looksUpMaps()) workload.redrawEvery = 1.0;        // goes by what is now
+    workload.still = light.still && (light.viewRests || !method.entry->followsView);
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
     if (!method.isSoft()) workload.softPixels = 0.0;
     const bool traces = method.has(GN_TRAIT_RAYS_BIT) || method.has(GN_TRAIT_DEVICE_RAYS_BIT);
@@ -81,8 +82,8 @@ bool isNear(double a, double b)
 /// Whether a prediction for the one still tells of the other.
 bool isNear(const cost::Workload& a, const cost::Workload& b)
 {
-    return a.still == b.still && a.directional == b.directional && a.point == b.point && isNear(a.pixels, b.pixels) &&
-           a.mapTexels == b.mapTexels && isNear(a.casterTriangles, b.casterTriangles) &&
+    return a.still == b.still && a.viewRests == b.viewRests && a.directional == b.directional && a.point == b.point &&
+           isNear(a.pixels, b.pixels) && a.mapTexels == b.mapTexels && isNear(a.casterTriangles, b.casterTriangles) &&
            isNear(a.drawnTriangles, b.drawnTriangles) && isNear(a.casters, b.casters) &&
            isNear(a.drawnPixels, b.drawnPixels) && isNear(a.viewPixels, b.viewPixels) &&
            isNear(a.shadowPixels, b.shadowPixels) && isNear(a.softPixels, b.softPixels) &&
@@ -227,6 +228,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
                             .viewPixels = all,
                             .softPixels = input.light->constants.sourceRadius > 0.0f ? reached : 0.0,
                             .treeLevels = memory.measured ? memory.treeLevels.get() : kTreeLevels,
+                            .viewRests = input.viewRests,
                             .redrawEvery = static_cast<double>(std::max(memory.redrawEvery, 1u))};
     addEstimates(workload, memory, input);
     memory.workload = workload;
@@ -249,10 +251,11 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
         if (budgeted_) workload.sharing = 1.0; // within a budget every light has to be sure
         const auto of = [&](cost::Pass pass) { return model_.predict(memory.costSlot, m, pass, workload); };
         const cost::Prediction steady = model_.predict(memory.costSlot, m, workload, workload.still);
-        // What stands still is drawn once, in the first frame.
+        // What stands still is drawn once, in the first frame, and so is most of what the view comes to see.
         costs[m] = {.steady = steady,
                     .sureMs = steady.measured ? steady.ms : steady.sureMs(),
-                    .firstMs = std::max(measures_[m].firstFrameMs, workload.still ? of(cost::Pass::update).ms : 0.0)};
+                    .firstMs =
+                        std::max(measures_[m].firstFrameMs, memory.workload.still ? of(cost::Pass::update).ms : 0.0)};
     }
     history.predictedAt = frame;
     history.predictedRevision = model_.revision();

@@ -177,6 +177,7 @@ struct SelectionInput {
     std::uint32_t wantedPlainSide = kUnmeasuredSide; ///< MapSide::wanted().
     std::uint32_t mostPlainSide = kUnmeasuredSide;   ///< MapSide::most().
     bool still = false;        ///< Neither the light nor a caster in its range is known or suspected to move.
+    bool viewRests = true;     ///< The view has neither moved nor turned for some frames.
     std::uint32_t unbuilt = 0; ///< DeviceRays::unbuilt().
     VkDeviceSize memoryLeft = 0;
     std::uint64_t frame = 0;

@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "device/fixture.hpp"
+#include "device/hooks.hpp"
+#include "device/posts.hpp"
 #include "runtime/cost/knowledge_base.hpp"
 
 using namespace gnomon;
@@ -206,6 +207,50 @@ TEST_CASE_FIXTURE(DeviceTest, "a timed light tells what it cost and what that de
     CHECK(gnGetLightTiming(host.context, host.views[0], VK_NULL_HANDLE, &timing) == GN_ERROR_INVALID_HANDLE);
     CHECK(gnGetLightWorkload(host.context, VK_NULL_HANDLE, host.lights[0], &workload) == GN_ERROR_INVALID_HANDLE);
     CHECK(workload.frame == 0);
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "maps that follow the view are timed as updates, as pixels are not, and rest with it")
+{
+    for (const char* method : {"cascades", "virtual_map"}) {
+        CAPTURE(std::string(method));
+        Host host(land(), {.flags = GN_CONTEXT_NO_BACKGROUND_BIT | GN_CONTEXT_TIME_EVERY_FRAME_BIT});
+        host.pinAll(method);
+        GnLightTiming timing{};
+        uint32_t updates = 0;
+        std::vector<demo::CameraState> cameras{walked(host.scene, 0.0)};
+        for (int frame = 0; frame < 8; ++frame) {
+            host.require(host.draw({.cameras = &cameras}));
+            host.require(gnGetLightTiming(host.context, host.views[0], host.lights[0], &timing));
+            updates += timing.frame == 1 && timing.updated;
+            if (timing.frame == 1) CHECK(timing.updateGpuMs > 0.0f);
+        }
+        CHECK(updates > 0);
+        CHECK(timing.frame > 4);
+        CHECK(!timing.updated); // the maps are kept
+        CHECK(timing.resolveGpuMs > 0.0f);
+    }
+}
+
+TEST_CASE_FIXTURE(DeviceTest, "a map that follows the view is predicted to be drawn while that moves")
+{
+    for (const auto& [method, updates] : {std::pair("cascades", true), std::pair("shadow_map", false)}) {
+        CAPTURE(std::string(method));
+        Host host(land(), hooked({}, {withoutTimestamps()})); // nothing is learned
+        host.pinAll(method);
+        std::vector<demo::CameraState> cameras{walked(host.scene, 0.0)};
+        host.draw(7, {.cameras = &cameras});
+        REQUIRE(load(host, knowledge(device().properties.deviceName, {{method, 40.0}})) == GN_SUCCESS);
+        const auto predictedAt = [&](double metres) {
+            cameras[0] = walked(host.scene, metres);
+            host.require(host.draw({.cameras = &cameras}));
+            return double{host.decision(0).predictedMs};
+        };
+        CHECK(predictedAt(0.0) == doctest::Approx(40.0).epsilon(0.01)); // pixels alone
+        CHECK(predictedAt(0.1) == doctest::Approx(updates ? 80.0 : 40.0).epsilon(0.01));
+        for (int frame = 0; frame < 3; ++frame)
+            predictedAt(0.1);
+        CHECK(predictedAt(0.1) == doctest::Approx(40.0).epsilon(0.01)); // at rest again
+    }
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "without a budget the cheapest that shows as much serves, unless time has no say")

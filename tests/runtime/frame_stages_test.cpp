@@ -367,6 +367,29 @@ TEST_CASE("a timed frame is charged to the methods that declared its passes, onc
     CHECK(measuredMs(1)[0] == doctest::Approx(3.0));
 }
 
+TEST_CASE("what a task draws into a map that is kept counts as the light's update, as what all views share does")
+{
+    Trip trip({painter("a", true), painter("b", true)});
+    trip.declare();
+    const std::uint32_t view = trip.input.views[0]->id, light = trip.frame.lights[0].light->id;
+    const PassOwner task{.view = view, .light = light, .method = 0, .declarer = 0};
+    PassOwner page = task;
+    page.drawsKept = true;
+    const FrameTimings timings{.frame = 1,
+                               .timed = true,
+                               .totalGpuMs = 8.0f,
+                               .passes = {{.owner = page, .gpuMs = 4.0f, .cpuMs = 0.5f},
+                                          {.owner = task, .gpuMs = 1.0f},
+                                          {.owner = page, .gpuMs = 2.0f}}};
+    learn(trip.frame, {&timings, &timings, true, trip.plan, trip.history, trip.methods.size()});
+    const TimedLight* timed = trip.plan.timed(*trip.frame.lights[0].memory);
+    REQUIRE(timed);
+    CHECK(timed->timing.updated);
+    CHECK(timed->timing.updateGpuMs == doctest::Approx(6.0));
+    CHECK(timed->timing.updateCpuMs == doctest::Approx(0.5));
+    CHECK(timed->timing.resolveGpuMs == doctest::Approx(1.0));
+}
+
 TEST_CASE("without timings nobody is charged, and without a clock with the time of the processor alone")
 {
     Trip trip({painter("a", true)});
