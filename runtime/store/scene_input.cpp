@@ -107,7 +107,7 @@ Result<std::vector<std::uint32_t>> readIndices(Subject what, const GnMeshCreateI
 
 std::string named(const char* kind, const char* name)
 {
-    if (!name || !*name) return std::string("a ") + kind + " without a name";
+    if (!name || !*name) return (*kind == 'i' ? "an " : "a ") + std::string(kind) + " without a name"; // instance
     return std::string(kind) + " '" + name + "'";
 }
 

@@ -38,6 +38,13 @@ GnLightInfo spot()
 
 } // namespace
 
+TEST_CASE("what has no name is called by its kind, with the article that it takes")
+{
+    CHECK(named("instance", nullptr) == "an instance without a name");
+    CHECK(named("light", "") == "a light without a name");
+    CHECK(named("mesh", "rock") == "mesh 'rock'");
+}
+
 TEST_CASE("a handle finds its object until it is taken, and never another one")
 {
     SlotMap<int> map, other;
