@@ -3,16 +3,15 @@
 //
 //   closed caster   only the faces turned away from the light are drawn: they lie behind every lit point of the
 //                   caster, so that it cannot shade itself, and no bias is needed
-//   inside out      the same faces: but the host may draw them as lit, so pushed away like an open caster's
 //   open caster     both faces, pushed away from the light in proportion to their slope; the resolve compares at the
 //                   texel's own place on the receiver's plane (shaders/shared/map_receiver.glsl)
+//   inside out      as an open one: where the light is within, no face is wound away from it
 //
 // There is no constant bias. Its unit is the last place of the largest depth of the whole primitive (Vulkan, Depth Bias
 // Computation), and where depths are clamped instead of clipped a triangle that reaches the plane through the light has
 // no largest: with a factor of 2 an NVIDIA driver pushes it past the far end of the map. By how much coplanar sheets (a
 // cloth on a table) are rounded apart is in what receivers allow for, DEPTH_ROUNDING (shaders/shared/map_lookup.h).
 #include "runtime/scene/scene_view.hpp"
-#include "runtime/scene/topology.hpp"
 
 namespace gnomon {
 
@@ -33,9 +32,7 @@ inline CasterRaster casterRaster(const Caster& caster, bool biasOpen = true)
 {
     CasterRaster raster;
     raster.frontFace = caster.mirrored ? VK_FRONT_FACE_CLOCKWISE : VK_FRONT_FACE_COUNTER_CLOCKWISE;
-    // Inside out, what blocks light from without is wound away from it as well; a room seen from within draws nothing.
-    const Topology* topology = caster.mesh ? caster.mesh->topology : nullptr;
-    if (caster.closed || (topology && topology->whole.watertight)) raster.cullMode = VK_CULL_MODE_FRONT_BIT;
+    if (caster.closed) raster.cullMode = VK_CULL_MODE_FRONT_BIT;
     if (!caster.closed && biasOpen) raster.slopeBias = kOpenSlopeBias;
     return raster;
 }

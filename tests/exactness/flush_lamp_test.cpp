@@ -27,6 +27,8 @@ const std::vector<Walker> kExact{{"stencil_volume", {}},
 // Of every method, at its defaults: twice what maps of 1024 texels make wrong in the worst of these pictures (0.56 %,
 // dual_paraboloid). A face that blocks what it should not makes tens of percent wrong.
 constexpr double kMostWrong = 1.0;
+// Of mccool in the corner of a room, whose far walls are in its map and those at the lamp are not: 1.44 % measured.
+constexpr double kMostRebuiltWrong = 2.0;
 
 /// Everything is drawn from eyes that rise, so that coordinates about them are rounded differently in every step.
 Scene risingEyes(LitFrom place, LightKind kind)
@@ -51,7 +53,7 @@ void checkExact(Stage& stage)
     }
 }
 
-void checkAll(Stage& stage, LightKind kind, std::map<std::string, double>& worst)
+void checkAll(Stage& stage, LitFrom place, LightKind kind, std::map<std::string, double>& worst)
 {
     for (const GnMethodInfo& method : stage.methods()) {
         if (!serves(method.traits, kind) || method.pUnavailable) continue;
@@ -60,7 +62,8 @@ void checkAll(Stage& stage, LightKind kind, std::map<std::string, double>& worst
         // Off its plane a planar method is lit, which is no fault here.
         const bool planar = std::string(method.pName) == "projected_planar";
         const double wrong = error.percent(planar ? error.falseShadow : error.wrong());
-        CHECK(wrong <= kMostWrong);
+        const bool rebuilt = place == LitFrom::roomCorner && std::string(method.pName) == "mccool";
+        CHECK(wrong <= (rebuilt ? kMostRebuiltWrong : kMostWrong));
         worst[method.pName] = std::max(worst[method.pName], wrong);
     }
 }
@@ -78,7 +81,7 @@ void checkPlace(LitFrom place, LightKind kind)
         REQUIRE(lit.counted > 1000);
         CHECK(test::dark(stage.truth[0]) > 100);
         checkExact(stage);
-        if (step % 4 == 1) checkAll(stage, kind, worst); // maps do not depend on the eye
+        if (step % 4 == 1) checkAll(stage, place, kind, worst); // maps do not depend on the eye
     }
     for (const auto& [method, percent] : worst)
         MESSAGE(light << ", " << method << ": at most " << percentText(percent) << " wrong");
