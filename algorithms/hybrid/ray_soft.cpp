@@ -193,8 +193,7 @@ void RaySoft::declareSoft(PassBuilder& passes, const ShadowTask& task) const
 {
     const VkExtent2D extent = task.view->extent;
     const auto rays = static_cast<std::uint32_t>(task.settings[kRays]);
-    // Where a penumbra is two pixels wide no filter makes up for one ray a pixel: RMSE 0.17 of simulated edges, of two
-    // rays 0.13.
+    // Where a penumbra is about two pixels wide there are too few pixels for a filter to make up for one ray of each.
     const std::uint32_t firstRays = std::min(2 * rays, gpu::SOFT_RAYS);
     const History history = openHistory(passes, task);
     const bool isFirst = history.number == 0;

@@ -27,7 +27,7 @@ const std::vector<Walker> kExact{{"stencil_volume", {}},
 // Of every method, at its defaults: twice what maps of 1024 texels make wrong in the worst of these pictures (0.56 %,
 // dual_paraboloid). A face that blocks what it should not makes tens of percent wrong.
 constexpr double kMostWrong = 1.0;
-// Of mccool in the corner of a room, whose far walls are in its map and those at the lamp are not: 1.44 % measured.
+// Of mccool in the corner of a room that is wound inwards, whose walls are in its map: 1.44 % measured.
 constexpr double kMostRebuiltWrong = 2.0;
 
 /// Everything is drawn from eyes that rise, so that coordinates about them are rounded differently in every step.
