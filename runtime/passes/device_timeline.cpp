@@ -9,6 +9,8 @@ namespace {
 
 // Five times what Windows gives a GPU before it resets it (TdrDelay, 2 s: Microsoft, "TDR Registry Keys").
 constexpr std::uint64_t kDefaultLimitMs = 10'000;
+// Lavapipe compiled one shader of ours for 10 to 15 s beside twenty busy threads on two cores, 0.5 s alone.
+constexpr std::uint64_t kDefaultOnceLimitMs = 60'000;
 // Progress is looked at this often. Waits are counted by such pieces, not by the clock: a process that a debugger stops
 // for an hour has waited for one of them.
 constexpr std::uint64_t kPieceNs = 100'000'000;
@@ -18,7 +20,8 @@ constexpr std::uint64_t kRetryNs = 1'000'000;
 
 DeviceTimeline::DeviceTimeline(const DeviceTable& vk, const GnContextCreateInfo& info)
     : vk_(vk), lock_(info.pfnLockQueue), unlock_(info.pfnUnlockQueue), userData_(info.pUserData),
-      limitNs_((info.waitLimitMs ? info.waitLimitMs : kDefaultLimitMs) * 1'000'000)
+      frameLimitNs_((info.waitLimitMs ? info.waitLimitMs : kDefaultLimitMs) * 1'000'000),
+      onceLimitNs_((info.waitLimitMs ? info.waitLimitMs : kDefaultOnceLimitMs) * 1'000'000), limitNs_(frameLimitNs_)
 {
 }
 
@@ -53,8 +56,9 @@ Result<void> DeviceTimeline::submit(VkSubmitInfo2 submit, std::span<const VkSema
     return {};
 }
 
-VkResult DeviceTimeline::wait(std::uint64_t timeoutNs, Progress progress, const void* self) noexcept
+VkResult DeviceTimeline::wait(std::uint64_t timeoutNs, Progress progress, const void* self, Work work) noexcept
 {
+    limitNs_ = work == Work::frame ? frameLimitNs_ : onceLimitNs_;
     if (!semaphore_ || !used()) return VK_SUCCESS;
     const VkSemaphore semaphore = semaphore_.get();
     const VkSemaphoreWaitInfo info{.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO,
@@ -79,6 +83,7 @@ VkResult DeviceTimeline::waitQueue(Progress progress, const void* self) noexcept
 {
     hung_ = false; // it may have come back since
     stalledNs_ = 0;
+    limitNs_ = frameLimitNs_;
     for (;;) {
         try {
             // A signal comes after all that was submitted to the queue before it. To wait for an idle device, every

@@ -400,8 +400,8 @@ Result<void> PassExecutor::endOnce(VkCommandBuffer cmd)
     const VkSubmitInfo2 submit{
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2, .commandBufferInfoCount = 1, .pCommandBufferInfos = &cmdInfo};
     if (Result<void> submitted = timeline_.submit(submit, {}); !submitted) return submitted;
-    if (const VkResult waited = timeline_.wait(UINT64_MAX, &progress, this); waited != VK_SUCCESS)
-        return waitError(waited);
+    const VkResult waited = timeline_.wait(UINT64_MAX, &progress, this, DeviceTimeline::Work::once);
+    if (waited != VK_SUCCESS) return waitError(waited);
     oncePool_ = {};
     return {};
 }

@@ -10,6 +10,8 @@ namespace {
 
 constexpr const char *kServes = "ray_traced", *kProbed = "tile_shafts";
 constexpr uint32_t kEvery = 20;
+// Small pictures: what a probe may waste follows from the frames a second, and takes 25 of them here.
+constexpr VkExtent2D kExtent{96, 54};
 
 /// The two exact methods, more than either takes in any build. The second one is expected to be cheaper by a third,
 /// but so little is known of it that it counts as dearer: its upper bound wastes little.
@@ -72,7 +74,7 @@ Seen draw(Host& host, float budgetMs, uint32_t frames, const std::vector<Image8>
 
 TEST_CASE_FIXTURE(DeviceTest, "a probe runs unseen for as long as it takes to time it, and not again too soon")
 {
-    Host host(smallScene());
+    Host host(smallScene(), {.extent = kExtent});
     load(host, kEvery);
     host.pinAll(kServes);
     host.require(host.draw());
@@ -97,7 +99,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a probe runs unseen for as long as it takes to ti
 
 TEST_CASE_FIXTURE(DeviceTest, "nothing is probed where the rules say never, or the budget has no room")
 {
-    Host host(smallScene());
+    Host host(smallScene(), {.extent = kExtent});
     load(host, 0);
     host.pinAll(kServes);
     host.require(host.draw());

@@ -28,8 +28,8 @@ typedef enum GnReason {
     GN_REASON_NOT_RECORDABLE = 11,  ///< The method that the host pinned needs the CPU between its passes, and the frame
                                     ///< is recorded (gnCmdRenderShadows()): the rules chose another one.
     GN_REASON_UNSEEN = 12,        ///< No pixel can be in the light's range: no method runs, and visibility is 1.
-    GN_REASON_TRIAL = 13,         ///< It may be cheaper than what serves the light else, shows as much or no plan keeps
-                                  ///< the budget, and serves for a few frames so that its time is known.
+    GN_REASON_TRIAL = 13,         ///< It may be cheaper than what serves the light otherwise, shows as much or no plan
+                                  ///< keeps the budget, and serves for a few frames so that its time is known.
     GN_REASON_MAX_ENUM = 0x7FFFFFFF
 } GnReason;
 

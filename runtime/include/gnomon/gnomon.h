@@ -349,9 +349,11 @@ typedef struct GnContextCreateInfo {
     const uint32_t* pVisibilityQueueFamilies;
     uint32_t framesInFlight;                           ///< 0 means 2. [1, 8]. A frame begins when the frame this many
                                                        ///< before it is completed (GnFrameInfo::completedFrame).
-    uint32_t waitLimitMs;                              ///< 0 means 10 000. A call that waits for the device ends with
+    uint32_t waitLimitMs;                              ///< A call that waits for the device ends with
                                                        ///< #GN_ERROR_DEVICE_LOST once the device has made no progress
                                                        ///< for so long. What a submitted frame's pWaits delay counts.
+                                                       ///< 0 means 10 000, and 60 000 in gnWarmUp(), in which software
+                                                       ///< devices compile.
     VkDeviceSize memoryLimit;                          ///< Device bytes, persistent plus transient; 0: half the heap,
                                                        ///< or of its budget where VK_EXT_memory_budget is enabled.
                                                        ///< Maps whose sides follow screen coverage take half of it at
