@@ -136,9 +136,13 @@ std::vector<MethodTrial> tryMethods(const Stage& stage, const Truths& truths, co
     uint32_t done = 0;
     for (const TriedMethod& method : order) {
         MethodTrial trial{.method = method.name};
-        const std::string wrong = stage.recorded && method.roundTrips > 0
-                                      ? "needs the CPU between its passes and cannot be recorded"
-                                      : tryMethod(stage, truths, quality, trials, method, trial);
+        std::string wrong = "needs the CPU between its passes and cannot be recorded";
+        try {
+            if (!stage.recorded || method.roundTrips == 0)
+                wrong = tryMethod(stage, truths, quality, trials, method, trial);
+        } catch (const HostError& error) { // such as maps beyond the memory limit: one choice less
+            wrong = error.what();
+        }
         if (wrong.empty())
             trials.push_back(std::move(trial));
         else
