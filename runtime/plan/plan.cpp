@@ -124,23 +124,33 @@ double PlanStep::findTarget(const PlanInput& input, double headroom, PlanReport&
     return limitMs;
 }
 
-/// Towards the target, what loses least for its time first.
-void PlanStep::payUntil(double limitMs) noexcept
+/// Towards the target, what loses least for its time first. What saves time has to be drawn first: no more of that than
+/// kMostFirst of the budget, but for one light, so that a repair does not cost more than it saves.
+/// @return false if that is why the limit is not reached
+bool PlanStep::payUntil(const PlanInput& input, double limitMs) noexcept
 {
+    double firstMs = 0.0;
     for (double ms = sumOf(current_).ms; ms > limitMs;) {
         double least = std::numeric_limits<double>::infinity();
         uint32_t payer = kNone;
+        bool waits = false;
         for (uint32_t light = 0; light < lightCount_; ++light) {
             const uint32_t from = current_[light], to = target_[light];
             if (from == to || from == kNone || to == kNone) continue;
             const double savedMs = -moveMs(light, to);
             const double loss = worths_[at(light, from)] - worths_[at(light, to)];
-            if (savedMs > 0.0 && loss < least * savedMs) least = loss / savedMs, payer = light;
+            if (!(savedMs > 0.0) || loss >= least * savedMs) continue;
+            if (firstMs > 0.0 && firstMs + input.candidates[at(light, to)].firstFrameMs > kMostFirst * input.budgetMs)
+                waits = true;
+            else
+                least = loss / savedMs, payer = light;
         }
-        if (payer == kNone) return;
+        if (payer == kNone) return !waits;
         ms += moveMs(payer, target_[payer]);
+        firstMs += input.candidates[at(payer, target_[payer])].firstFrameMs;
         move(payer, target_[payer]);
     }
+    return true;
 }
 
 /// Whether the first frame costs more than the stay would gain, the gain in milliseconds at the plan's average price.
@@ -161,7 +171,7 @@ Hold PlanStep::tryUpgrade(const PlanInput& input, uint32_t light, double limitMs
     const Sums before = sumOf(current_);
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
     move(light, target_[light]);
-    payUntil(limitMs);
+    payUntil(input, limitMs);
     const Sums after = sumOf(current_);
     Hold hold = Hold::none;
     if (after.ms > limitMs || after.worth < before.worth || (after.worth == before.worth && after.ms >= before.ms))
@@ -260,8 +270,7 @@ void PlanStep::planWithinBudget(const PlanInput& input, PlanReport& report) noex
         over || !report.feasible || input.measuredMs > input.budgetMs ? 0 : std::min(calmFrames_ + 1, kSpareFrames);
     if (!over) return improve(input, limitMs, report);
     std::copy_n(current_.begin(), lightCount_, saved_.begin());
-    payUntil(limitMs);
-    if (sumOf(current).ms > limitMs) takeTarget();
+    if (payUntil(input, limitMs) && sumOf(current).ms > limitMs) takeTarget();
     if (!std::equal(current.begin(), current.end(), saved_.begin())) report.cause = Cause::repaired;
 }
 

@@ -159,6 +159,8 @@ inline constexpr double kLeastShare = 0.01;
 inline constexpr double kKeepShare = 0.5;
 /// Share that a change must have room for beyond its prediction: half the spread of one, 8 % where a light was timed.
 inline constexpr double kChangeMargin = 0.05;
+/// Share of the budget that first frames of a repair may take in one frame, but for one light's.
+inline constexpr double kMostFirst = 0.5;
 /// What a change needs room for, ms, with its share of the first frame. The three are a Candidate's.
 inline double roomForChangeMs(double ms, double likelyMs, double firstFrameMs) noexcept
 {
@@ -215,7 +217,7 @@ private:
     void improve(const PlanInput& input, double limitMs, PlanReport& report) noexcept;
     Hold tryUpgrade(const PlanInput& input, uint32_t light, double limitMs) noexcept;
     void tryDear(const PlanInput& input, PlanReport& report) noexcept;
-    void payUntil(double limitMs) noexcept;
+    bool payUntil(const PlanInput& input, double limitMs) noexcept;
     void takeTarget() noexcept;
     uint32_t partsInUse() const noexcept;
     Hold holdOf(const PlanInput& input, uint32_t light) const noexcept;

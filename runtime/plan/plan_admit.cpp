@@ -24,12 +24,16 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
     const std::span candidates = input.candidates.subspan(at(light, 0), methods_);
+    const uint32_t incumbent = request.memory->incumbent;
+    const bool holds = incumbent < methods_ && !isFresh(input);
     MethodSet able, vetoed, spoken, familiar;
     for (uint32_t m = 0; m < methods_; ++m) {
         const Candidate& candidate = candidates[m];
         const bool known = candidate.ms >= 0.0 && candidate.ms <= std::numeric_limits<double>::max();
         terms_[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
-        costsMs_[at(light, m)] = known ? candidate.ms : 0.0;
+        // Where nothing holds, nothing spreads first frames over many: this one pays them.
+        const double firstMs = holds || m == incumbent ? 0.0 : candidate.firstFrameMs;
+        costsMs_[at(light, m)] = known ? candidate.ms + firstMs : 0.0;
         able.addIf(m, known && candidate.eligibility != Eligibility::trait);
         vetoed.addIf(m, candidate.eligibility == Eligibility::never);
         spoken.addIf(m, candidate.suitability >= 0);

@@ -259,27 +259,6 @@ TEST_CASE("a pair that flips is banned, and a camera cut lifts the ban")
     CHECK(scene.chosen(0) == kCheap); // nothing before the cut counts
 }
 
-TEST_CASE("a switch whose first frame does not fit, or costs more than its stay gains, is not made")
-{
-    Scene scene(1, cheapAndGood());
-    scene.of(0, kGood).suitability = 2100; // better, but not by much
-    scene.of(0, kGood).firstFrameMs = 1000.0;
-    scene.step();
-    REQUIRE(scene.chosen(0) == kGood); // the first plan took it
-    const auto tryFromCheap = [&] {
-        scene.memories[0] = {.incumbent = kCheap};
-        scene.step(kSpareFrames);
-        return scene.chosen(0);
-    };
-    CHECK(tryFromCheap() == kCheap);
-    CHECK(scene.plan.lights()[0].hold == Hold::margin); // 17 ms a frame of the stay
-    scene.input.budgetMs = 40.0;
-    CHECK(tryFromCheap() == kCheap);
-    CHECK(scene.plan.lights()[0].hold == Hold::firstFrame);
-    scene.of(0, kGood).firstFrameMs = 5.0;
-    CHECK(tryFromCheap() == kGood);
-}
-
 TEST_CASE("headroom grows with the error of the sum, not with the sum of errors")
 {
     Scene scene(16, cheapAndGood());
