@@ -9,10 +9,40 @@ target_compile_options(gnomon_flags INTERFACE
     $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>
     $<$<BOOL:${GNOMON_ASSERTIONS}>:-UNDEBUG>) # after the build type's -DNDEBUG
 
+# Headers of the standard library that most sources include. Parsing them is a third of what a source takes to compile.
+# One form of them for libraries, and one for programs, whose code is position-independent in another way.
+if(GNOMON_PRECOMPILE_HEADERS)
+    file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cpp" CONTENT "")
+    foreach(form library program)
+        add_library(gnomon_precompiled_${form} OBJECT "${PROJECT_BINARY_DIR}/precompiled.cpp")
+        target_link_libraries(gnomon_precompiled_${form} PRIVATE gnomon_flags)
+        set_target_properties(gnomon_precompiled_${form} PROPERTIES CXX_EXTENSIONS OFF
+            CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
+        target_precompile_headers(gnomon_precompiled_${form} PRIVATE
+            <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstdio> <cstdlib> <cstring> <functional>
+            <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <random> <set> <span> <string>
+            <string_view> <utility> <variant> <vector>)
+    endforeach()
+    set_property(TARGET gnomon_precompiled_library PROPERTY POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(gnomon_precompiled_program PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
+    if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # which takes precompiled functions of std::string for ours
+        target_compile_options(gnomon_flags INTERFACE -Wno-array-bounds -Wno-stringop-overflow)
+    endif()
+endif()
+
 # Applies the shared flags to a target of ours and hides its symbols.
 function(gnomon_target name)
     set_target_properties(${name} PROPERTIES
         C_STANDARD 11 C_EXTENSIONS OFF CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
         CXX_VISIBILITY_PRESET hidden C_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
     target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:gnomon_flags>)
+    get_target_property(sources ${name} SOURCES)
+    get_target_property(type ${name} TYPE)
+    if(GNOMON_PRECOMPILE_HEADERS AND NOT sources MATCHES "\\.c(;|$)")
+        if(type STREQUAL "EXECUTABLE")
+            target_precompile_headers(${name} REUSE_FROM gnomon_precompiled_program)
+        else()
+            target_precompile_headers(${name} REUSE_FROM gnomon_precompiled_library)
+        endif()
+    endif()
 endfunction()

@@ -2,7 +2,8 @@
 # set, no trap to take).
 if(GNOMON_WITH_EMBREE)
     set(simd_options -fno-math-errno -fno-trapping-math)
-    set_source_files_properties(hybrid/simd_baseline.cpp PROPERTIES COMPILE_OPTIONS "${simd_options}")
+    set_source_files_properties(hybrid/simd_baseline.cpp PROPERTIES COMPILE_OPTIONS "${simd_options}"
+        SKIP_PRECOMPILE_HEADERS ON)
     add_library(gnomon_shafts OBJECT
         hybrid/light_frame.cpp
         hybrid/receiver_pyramid.cpp
@@ -14,7 +15,8 @@ if(GNOMON_WITH_EMBREE)
     target_include_directories(gnomon_shafts PRIVATE "${PROJECT_SOURCE_DIR}" "${PROJECT_SOURCE_DIR}/runtime/include")
     if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
         target_sources(gnomon_shafts PRIVATE hybrid/simd_avx2.cpp)
-        set_source_files_properties(hybrid/simd_avx2.cpp PROPERTIES COMPILE_OPTIONS "${simd_options};-mavx2;-mf16c")
+        set_source_files_properties(hybrid/simd_avx2.cpp PROPERTIES COMPILE_OPTIONS "${simd_options};-mavx2;-mf16c"
+            SKIP_PRECOMPILE_HEADERS ON)
         target_compile_definitions(gnomon_shafts PRIVATE GNOMON_SIMD_X86=1)
     endif()
 endif()
