@@ -1,228 +1,177 @@
 // A deferred renderer with a forward pass for glass: two frames in flight, two ways to get shadows.
 #pragma once
 
-#include "shadows.hpp" // has integers, for what follows
+#include <tuple>
 
-#include "embed_shaders/glass_frag.h"
-#include "embed_shaders/lighting_frag.h"
-#include "embed_shaders/lighting_vert.h"
-#include "embed_shaders/surface_frag.h"
-#include "embed_shaders/surface_vert.h"
+#include "shadows.hpp"
+
+#include <imgui_impl_vulkan.h>
+
+#include "embed_shaders.h"
 
 namespace embed {
 
-constexpr uint32_t kInFlight = 2;
-using Stage = vk::PipelineStageFlagBits2;
-
-/// Where the picture goes: an image of the swapchain, or nowhere.
-struct Target {
-    vk::Image image;
-    vk::Semaphore acquired, drawn;
-};
+constexpr uint32_t kInFlight = 2; // frames
 
 class Renderer {
 public:
-    Renderer(const Gpu& gpu, const Scene& scene)
-        : shadows(gpu, scene), picturePass(gpu.createPass({picture.format}, vk::ImageLayout::eTransferSrcOptimal)),
-          gpu_(gpu), scene_(scene)
+    /// \param picture Drawn into where there is no window.
+    Renderer(const Gpu& gpu, const Scene& scene, const Canvas& picture, Swapchain* window)
+        : shadows(gpu, scene), gpu_(gpu), scene_(scene), picture_(picture), window_(window)
     {
         using Usage = vk::BufferUsageFlagBits;
         using Property = vk::MemoryPropertyFlagBits;
-        const size_t positionBytes = scene.positions.size() * sizeof(glm::vec3), indexBytes = scene.indices.size() * 4;
-        indicesAt_ = kPositionsAt + positionBytes;
-        const auto usage = Usage::eUniformBuffer | Usage::eVertexBuffer | Usage::eIndexBuffer;
-        buffer_ = {gpu.device, vk::BufferCreateInfo({}, indicesAt_ + indexBytes, usage)};
+        const size_t cornerBytes = scene.corners.size() * sizeof(glm::vec3);
+        pixelsAt_ = kCornersAt + cornerBytes;
+        const auto usage = Usage::eUniformBuffer | Usage::eVertexBuffer | Usage::eTransferDst;
+        bytes_ = pixelsAt_ + 4 * picture.size.width * picture.size.height;
+        buffer_ = {gpu.device, vk::BufferCreateInfo({}, bytes_, usage)};
         bufferMemory_ = gpu.place(buffer_, Property::eHostVisible | Property::eHostCoherent);
-        mapped_ = static_cast<std::byte*>(bufferMemory_.mapMemory(0, VK_WHOLE_SIZE));
-        std::memcpy(mapped_ + kPositionsAt, scene.positions.data(), positionBytes);
-        std::memcpy(mapped_ + indicesAt_, scene.indices.data(), indexBytes);
-
-        using Type = vk::DescriptorType; // as in shaders.glsl
-        constexpr auto data = Type::eUniformBuffer, read = Type::eCombinedImageSampler;
-        const auto stages = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
-        std::vector<vk::DescriptorSetLayoutBinding> bindings;
-        for (const Type type : {data, read, read, read, read, data, Type::eSampledImage, Type::eSampler})
-            bindings.emplace_back(uint32_t(bindings.size()), type, type == Type::eSampledImage ? kLights : 1, stages);
-        constexpr auto pushed = vk::DescriptorSetLayoutCreateFlagBits::ePushDescriptorKHR;
-        setLayout_ = {gpu.device, vk::DescriptorSetLayoutCreateInfo(pushed, bindings)};
-        const vk::PushConstantRange colour(vk::ShaderStageFlagBits::eFragment, 0, sizeof(glm::vec4));
-        layout_ = {gpu.device, vk::PipelineLayoutCreateInfo({}, *setLayout_, colour)};
-        surfacePass_ = gpu.createPass({albedo_.format, normals_.format, depth_.format}, kReadable);
-        const PipelineInfo table[] = {
-            {.vertex = k_surface_vert, .fragment = k_surface_frag, .pass = *surfacePass_, .colours = 2, .depth = true},
-            {.vertex = k_lighting_vert, .fragment = k_lighting_frag, .pass = *picturePass, .positions = false},
-            {.vertex = k_surface_vert, .fragment = k_glass_frag, .pass = *picturePass, .blended = true}};
-        for (size_t i = 0; i < pipelines_.size(); ++i)
-            pipelines_[i] = gpu.createPipeline(*layout_, table[i]);
-        for (Slot& slot : slots_) {
-            slot.pool = {gpu.device, vk::CommandPoolCreateInfo({}, gpu.family)};
-            slot.commands = vk::raii::CommandBuffers(gpu.device, {*slot.pool, {}, 2});
-        }
-        const vk::SemaphoreTypeCreateInfo type(vk::SemaphoreType::eTimeline, 0);
-        timeline_ = {gpu.device, vk::SemaphoreCreateInfo({}, &type)};
+        mapped_ = static_cast<unsigned char*>(bufferMemory_.mapMemory(0, VK_WHOLE_SIZE));
+        std::memcpy(mapped_ + kCornersAt, scene.corners.data(), cornerBytes);
     }
     ~Renderer() { gpu_.device.waitIdle(); }
 
-    /// Makes the images anew if their size changes.
-    void resize(vk::Extent2D size)
-    {
-        if (size == std::exchange(size_, size)) return;
-        gpu_.device.waitIdle(); // gnomon keeps its own images until frames are completed
-        for (Image* image : {&albedo_, &normals_, &depth_, &picture})
-            gpu_.create(*image, size);
-        const std::array surfaces{*albedo_.view, *normals_.view, *depth_.view};
-        intoSurfaces_ = gpu_.createFramebuffer(*surfacePass_, surfaces, size);
-        intoPicture_ = gpu_.createFramebuffer(*picturePass, *picture.view, size);
-    }
-
     /// \param recorded gnomon records into our command buffer; else it submits to the queue.
-    /// \param overlay Draws over the picture.
-    template <typename Overlay>
-    void draw(const Camera& camera, const Lights& lights, bool recorded, const Target& target, Overlay&& overlay)
+    /// \param overlay Dear ImGui's, over the picture, or null.
+    void draw(const Camera& camera, const Lights& lights, bool recorded, ImDrawData* overlay)
     {
-        Slot& slot = slots_[++frame_ % kInFlight];
-        waitFor(slot.frame);
-        const uint64_t completed = std::exchange(slot.frame, frame_);
+        const Slot& slot = slots_[(frame_ + 1) % kInFlight];
+        std::ignore = gpu_.device.waitForFences(*slot.done, true, UINT64_MAX); // throws where it fails
+        const Canvas* target = window_ ? window_->acquire(*slot.free) : &picture_;
+        if (!target) return;
+        gpu_.device.resetFences(*slot.done);
         slot.pool.reset();
-        const vk::DeviceSize at = 2 * kPart * (frame_ % kInFlight); // in the buffer, gnomon's constants kPart behind
-        const glm::mat4& clipFromWorld = camera.clipFromWorld;
-        const FrameData data{clipFromWorld, glm::inverse(clipFromWorld), glm::vec4(camera.eye, 1.0f), lights};
-        std::memcpy(mapped_ + at, &data, sizeof data);
+        if (surfaces_.size != target->size) surfaces_.resize(target->size);
+        const glm::mat4 clipFromView = camera.clipFromView(float(target->size.width) / float(target->size.height));
+        const glm::mat4 clipFromWorld = clipFromView * camera.viewFromWorld();
 
         const vk::raii::CommandBuffer &before = slot.commands[0], &after = slot.commands[1];
         before.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-        beginPass(before, *surfacePass_, *intoSurfaces_, 3);
-        name(before, at, nullptr);
-        drawObjects(before, pipelines_[0], 0, glassAt());
+        surfaces_.begin(before);
+        drawObjects(before, surface_, clipFromWorld, scene_.opaque);
         before.endRenderPass();
-        submit(before, {}, 0);
+        before.end();
+        gpu_.queue.submit(vk::SubmitInfo({}, {}, *before));
+
         after.begin({vk::CommandBufferUsageFlagBits::eOneTimeSubmit});
-        shadows.render(recorded ? *after : nullptr, camera, lights, depth_, normals_, size_, frame_, completed);
-        const GnSampledShadows maps = shadows.view.sampledShadows().value();
-        std::memcpy(mapped_ + at + kPart, maps.pConstants, maps.constantsSize);
-        beginPass(after, *picturePass, *intoPicture_, 1);
-        name(after, at, &maps);
-        after.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipelines_[1]);
-        after.draw(3, 1, 0, 0);
-        drawObjects(after, pipelines_[2], glassAt(), scene_.objects.size());
-        overlay(after);
+        const uint64_t completed = ++frame_ > kInFlight ? frame_ - kInFlight : 0;
+        shadows.render(recorded ? *after : nullptr, camera, clipFromView, lights, surfaces_, frame_, completed);
+        nameInputs(after, {glm::inverse(clipFromWorld), lights});
+        target->begin(after);
+        drawObjects(after, lighting_, glm::mat4(1), scene_.cover);
+        drawObjects(after, glass_, clipFromWorld, scene_.glass);
+        if (overlay) ImGui_ImplVulkan_RenderDrawData(overlay, *after);
         after.endRenderPass();
-        if (target.image) show(after, target.image);
-        submit(after, target, frame_);
+        if (!window_) {
+            const vk::BufferImageCopy all(pixelsAt_, {}, {}, {vk::ImageAspectFlagBits::eColor, 0, 0, 1}, {},
+                                          vk::Extent3D(picture_.size, 1));
+            after.copyImageToBuffer(*picture_.images[0].image, vk::ImageLayout::eTransferSrcOptimal, *buffer_, all);
+        }
+        after.end();
+        if (window_)
+            window_->show(*after, *slot.free, *slot.done);
+        else
+            gpu_.queue.submit(vk::SubmitInfo({}, {}, *after), *slot.done);
     }
-    void waitFor(uint64_t frame) const
+
+    /// What the last frame without a window shows: red, green, blue and alpha of each pixel.
+    std::vector<unsigned char> pixels() const
     {
-        const vk::SemaphoreWaitInfo wait({}, *timeline_, frame);
-        if (gpu_.device.waitSemaphores(wait, UINT64_MAX) != vk::Result::eSuccess) throw std::runtime_error("no end");
+        gpu_.device.waitIdle();
+        std::vector<unsigned char> made(mapped_ + pixelsAt_, mapped_ + bytes_);
+        for (size_t i = 0; i < made.size(); i += 4)
+            std::swap(made[i], made[i + 2]); // they are stored the other way round
+        return made;
     }
 
     Shadows shadows;
-    Image picture{vk::Format::eR8G8B8A8Unorm};
-    vk::raii::RenderPass picturePass;
 
 private:
-    struct FrameData { // Frame in shaders.glsl
-        glm::mat4 clipFromWorld, worldFromClip;
-        glm::vec4 eye;
+    struct ObjectData { // Object in shaders.glsl
+        glm::mat4 clipFromWorld;
+        glm::vec4 colour;
+    };
+    struct FrameData { // Frame there
+        glm::mat4 worldFromClip;
         Lights lights;
     };
     struct Slot { // one of the frames in flight
-        uint64_t frame = 0;
-        vk::raii::CommandPool pool = nullptr;
-        std::vector<vk::raii::CommandBuffer> commands; // the second after submitted shadows
+        const vk::raii::Device& device;
+        vk::raii::Fence done{device, vk::FenceCreateInfo(vk::FenceCreateFlagBits::eSignaled)};
+        vk::raii::Semaphore free{device, vk::SemaphoreCreateInfo()};
+        vk::raii::CommandPool pool{device, vk::CommandPoolCreateInfo()};
+        vk::raii::CommandBuffers commands{device, {*pool, {}, 2}}; // the second after submitted shadows
     };
-    static constexpr vk::DeviceSize kPart = 2048; // bytes, for any alignment
-    static constexpr vk::DeviceSize kPositionsAt = 2 * kPart * kInFlight;
-    static constexpr auto kReadable = vk::ImageLayout::eShaderReadOnlyOptimal;
+    using Type = vk::DescriptorType;
+    static constexpr auto kStages = vk::ShaderStageFlagBits::eVertex | vk::ShaderStageFlagBits::eFragment;
+    static constexpr auto kPushed = vk::DescriptorSetLayoutCreateFlagBits::ePushDescriptorKHR;
+    static constexpr vk::DescriptorSetLayoutBinding kBindings[] = { // as in shaders.glsl
+        {0, Type::eUniformBuffer, 1, kStages},
+        {1, Type::eSampledImage, kLights, kStages},
+        {2, Type::eSampler, 1, kStages},
+        {3, Type::eCombinedImageSampler, 3, kStages},
+        {4, Type::eCombinedImageSampler, 1, kStages},
+        {5, Type::eUniformBuffer, 1, kStages}};
+    static constexpr vk::PushConstantRange kObject{kStages, 0, sizeof(ObjectData)};
+    static constexpr vk::DeviceSize kConstantsAt = 2048, kCornersAt = 4096; // in the buffer, bytes, for any alignment
 
-    void beginPass(const vk::raii::CommandBuffer& commands, vk::RenderPass pass, vk::Framebuffer into,
-                   uint32_t images) const
-    {
-        const std::vector<vk::ClearValue> zeros(images);
-        commands.beginRenderPass({pass, into, {{}, size_}, zeros}, vk::SubpassContents::eInline);
-        commands.setViewport(0, vk::Viewport(0, 0, float(size_.width), float(size_.height), 0, 1));
-        commands.setScissor(0, vk::Rect2D({}, size_));
-    }
-    size_t glassAt() const { return scene_.objects.size() - 1; }
-    void drawObjects(const vk::raii::CommandBuffer& commands, const vk::raii::Pipeline& by, size_t i, size_t end) const
+    void drawObjects(const vk::raii::CommandBuffer& commands, const vk::raii::Pipeline& by,
+                     const glm::mat4& clipFromWorld, const std::vector<Object>& objects) const
     {
         commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *by);
-        commands.bindVertexBuffers(0, *buffer_, kPositionsAt);
-        commands.bindIndexBuffer(*buffer_, indicesAt_, vk::IndexType::eUint32);
-        for (; i < end; ++i) {
-            const Object& object = scene_.objects[i];
-            commands.pushConstants<glm::vec4>(*layout_, vk::ShaderStageFlagBits::eFragment, 0, object.colour);
-            commands.drawIndexed(object.indexCount, 1, object.firstIndex, int32_t(object.firstVertex), 0);
+        commands.bindVertexBuffers(0, *buffer_, kCornersAt);
+        for (const Object& object : objects) {
+            commands.pushConstants<ObjectData>(*layout_, kStages, 0, ObjectData{clipFromWorld, object.colour});
+            commands.draw(object.count, 1, object.first, 0);
         }
     }
 
     /// Tells the shaders what they read. Descriptors that are pushed are those of the frame; an engine that keeps sets
     /// writes them again when GnVisibility::revision or GnSampledShadows::revision has grown.
-    /// \param maps Null: there is nothing yet but FrameData.
-    void name(const vk::raii::CommandBuffer& commands, vk::DeviceSize at, const GnSampledShadows* maps) const
+    void nameInputs(const vk::raii::CommandBuffer& commands, const FrameData& data) const
     {
-        using Type = vk::DescriptorType;
-        const vk::DescriptorBufferInfo data(*buffer_, at, sizeof(FrameData)),
-            constants(*buffer_, at + kPart, kLights * GN_SAMPLED_LIGHT_SIZE);
-        std::vector<vk::WriteDescriptorSet> writes{{{}, 0, 0, 1, Type::eUniformBuffer, nullptr, &data}};
+        const GnSampledShadows maps = shadows.view.sampledShadows().value();
+        const vk::DescriptorBufferInfo constants(*buffer_, kConstantsAt, maps.constantsSize),
+            frame(*buffer_, 0, sizeof data);
+        const auto* bytes = static_cast<const std::byte*>(maps.pConstants);
+        commands.updateBuffer<std::byte>(*buffer_, kConstantsAt, {uint32_t(maps.constantsSize), bytes});
+        commands.updateBuffer<FrameData>(*buffer_, 0, data);
         std::vector<vk::DescriptorImageInfo> images;
-        if (maps) {
-            const vk::ImageView visibility = shadows.view.visibility()->imageView;
-            for (const vk::ImageView view : {*albedo_.view, *normals_.view, *depth_.view, visibility})
-                images.emplace_back(maps->sampler, view, kReadable);
-            for (uint32_t i = 0; i < kLights; ++i)
-                images.emplace_back(maps->sampler, maps->pMaps[i], kReadable);
-            for (uint32_t i = 0; i < 4; ++i)
-                writes.push_back({{}, 1 + i, 0, 1, Type::eCombinedImageSampler, &images[i]});
-            writes.push_back({{}, 5, 0, 1, Type::eUniformBuffer, nullptr, &constants});
-            writes.push_back({{}, 6, 0, kLights, Type::eSampledImage, &images[4]});
-            writes.push_back({{}, 7, 0, 1, Type::eSampler, &images[0]});
-        }
-        commands.pushDescriptorSetKHR(vk::PipelineBindPoint::eGraphics, *layout_, 0, writes);
-    }
-    void show(const vk::raii::CommandBuffer& commands, vk::Image image) const
-    {
-        using Layout = vk::ImageLayout;
-        const auto become = [&](Layout from, vk::AccessFlags2 written, Layout to, vk::AccessFlags2 access) {
-            const vk::ImageMemoryBarrier2 one(Stage::eTransfer, written, Stage::eTransfer, access, from, to, 0, 0,
-                                              image, {vk::ImageAspectFlagBits::eColor, 0, 1, 0, 1});
-            commands.pipelineBarrier2(vk::DependencyInfo({}, {}, {}, one));
+        const auto add = [&](vk::ImageView view) {
+            images.emplace_back(maps.sampler, view, vk::ImageLayout::eShaderReadOnlyOptimal);
         };
-        const vk::ImageSubresourceLayers colour(vk::ImageAspectFlagBits::eColor, 0, 0, 1);
-        const std::array corners{vk::Offset3D(), vk::Offset3D(int32_t(size_.width), int32_t(size_.height), 1)};
-        become(Layout::eUndefined, {}, Layout::eTransferDstOptimal, vk::AccessFlagBits2::eTransferWrite);
-        commands.blitImage(*picture.image, Layout::eTransferSrcOptimal, image, Layout::eTransferDstOptimal,
-                           vk::ImageBlit(colour, corners, colour, corners), vk::Filter::eNearest);
-        become(Layout::eTransferDstOptimal, vk::AccessFlagBits2::eTransferWrite, Layout::ePresentSrcKHR, {});
-    }
-    /// \param frame The last of a frame says so to the timeline.
-    void submit(const vk::raii::CommandBuffer& commands, const Target& target, uint64_t frame) const
-    {
-        commands.end();
-        const vk::CommandBufferSubmitInfo buffer(*commands);
-        const vk::SemaphoreSubmitInfo wait(target.acquired, 0, Stage::eTransfer);
-        const std::array signals{vk::SemaphoreSubmitInfo(*timeline_, frame, Stage::eAllCommands),
-                                 vk::SemaphoreSubmitInfo(target.drawn, 0, Stage::eTransfer)};
-        const uint32_t shown = target.image ? 1 : 0;
-        gpu_.queue.submit2(vk::SubmitInfo2({}, shown, &wait, 1, &buffer, frame ? 1 + shown : 0, signals.data()));
+        std::for_each_n(maps.pMaps, kLights, add);
+        for (const Image& surface : surfaces_.images)
+            add(*surface.view);
+        add(shadows.view.visibility()->imageView);
+        const vk::WriteDescriptorSet writes[] = {{{}, 0, 0, 1, Type::eUniformBuffer, nullptr, &constants},
+                                                 {{}, 1, 0, kLights, Type::eSampledImage, &images[0]},
+                                                 {{}, 2, 0, 1, Type::eSampler, &images[0]},
+                                                 {{}, 3, 0, 3, Type::eCombinedImageSampler, &images[kLights]},
+                                                 {{}, 4, 0, 1, Type::eCombinedImageSampler, &images[kLights + 3]},
+                                                 {{}, 5, 0, 1, Type::eUniformBuffer, nullptr, &frame}};
+        commands.pushDescriptorSetKHR(vk::PipelineBindPoint::eGraphics, *layout_, 0, writes);
     }
 
     const Gpu& gpu_;
     const Scene& scene_;
-    vk::Extent2D size_;
+    const Canvas& picture_;
+    Swapchain* window_;
     uint64_t frame_ = 0;
     vk::raii::DeviceMemory bufferMemory_ = nullptr;
-    vk::raii::Buffer buffer_ = nullptr; // all that the CPU writes: data of each slot, positions, indices
-    std::byte* mapped_ = nullptr;
-    vk::DeviceSize indicesAt_ = 0;
-    Image albedo_{vk::Format::eR8G8B8A8Unorm}, normals_{vk::Format::eR16G16B16A16Sfloat}, depth_{kDepthFormat};
-    vk::raii::DescriptorSetLayout setLayout_ = nullptr;
-    vk::raii::PipelineLayout layout_ = nullptr;
-    vk::raii::RenderPass surfacePass_ = nullptr;
-    std::array<vk::raii::Pipeline, 3> pipelines_{nullptr, nullptr, nullptr}; // surfaces, lighting, glass
-    vk::raii::Framebuffer intoSurfaces_ = nullptr, intoPicture_ = nullptr;
-    vk::raii::Semaphore timeline_ = nullptr;
-    std::array<Slot, kInFlight> slots_;
+    vk::raii::Buffer buffer_ = nullptr; // data of the frame, corners of the scene, pixels of the picture
+    unsigned char* mapped_ = nullptr;
+    vk::DeviceSize pixelsAt_ = 0, bytes_ = 0;
+    Canvas surfaces_{gpu_,
+                     {vk::Format::eR8G8B8A8Unorm, vk::Format::eR16G16B16A16Sfloat, kDepthFormat},
+                     vk::ImageLayout::eShaderReadOnlyOptimal};
+    vk::raii::DescriptorSetLayout setLayout_{gpu_.device, vk::DescriptorSetLayoutCreateInfo(kPushed, kBindings)};
+    vk::raii::PipelineLayout layout_{gpu_.device, vk::PipelineLayoutCreateInfo({}, *setLayout_, kObject)};
+    vk::raii::Pipeline surface_ = surfaces_.createPipeline(*layout_, k_corner_vert, k_surface_frag, false);
+    vk::raii::Pipeline lighting_ = picture_.createPipeline(*layout_, k_corner_vert, k_lighting_frag, false);
+    vk::raii::Pipeline glass_ = picture_.createPipeline(*layout_, k_corner_vert, k_glass_frag, true);
+    std::array<Slot, kInFlight> slots_{Slot{gpu_.device}, Slot{gpu_.device}};
 };
 
 } // namespace embed

@@ -116,23 +116,21 @@ struct Hit {
     dvec3 normal{};
 };
 
-/// The nearest of all triangles of objects up to a count, by brute force (Moeller and Trumbore 1997).
-Hit trace(const Scene& scene, size_t objects, const dvec3& from, const dvec3& ray, double least = 0.0)
+/// The nearest of all triangles of some objects, by brute force (Moeller and Trumbore 1997).
+Hit trace(const Scene& scene, const std::vector<embed::Object>& objects, const dvec3& from, const dvec3& ray)
 {
     Hit hit;
-    for (size_t o = 0; o < objects; ++o)
-        for (uint32_t i = 0; i < scene.objects[o].indexCount; i += 3) {
-            dvec3 p[3];
-            for (uint32_t corner = 0; corner < 3; ++corner)
-                p[corner] = scene.positions[scene.objects[o].firstVertex +
-                                            scene.indices[scene.objects[o].firstIndex + i + corner]];
-            const dvec3 u = p[1] - p[0], v = p[2] - p[0], across = glm::cross(ray, v), s = from - p[0];
+    for (const embed::Object& object : objects)
+        for (uint32_t i = 0; i < object.count; i += 3) {
+            const glm::vec3* corner = &scene.corners[object.first + i];
+            const dvec3 p(corner[0]), u = dvec3(corner[1]) - p, v = dvec3(corner[2]) - p;
+            const dvec3 across = glm::cross(ray, v), s = from - p;
             const double determinant = glm::dot(u, across);
             if (determinant == 0.0) continue;
             const double a = glm::dot(s, across) / determinant, b = glm::dot(ray, glm::cross(s, u)) / determinant;
             const double t = glm::dot(v, glm::cross(s, u)) / determinant;
-            if (a < 0.0 || b < 0.0 || a + b > 1.0 || t <= least || t >= hit.t) continue;
-            hit = {t, &scene.objects[o], glm::normalize(glm::cross(u, v))};
+            if (a < 0.0 || b < 0.0 || a + b > 1.0 || t <= 0.0 || t >= hit.t) continue;
+            hit = {t, &object, glm::normalize(glm::cross(u, v))};
         }
     if (glm::dot(hit.normal, ray) > 0.0) hit.normal = -hit.normal;
     return hit;
@@ -147,13 +145,12 @@ struct Pixel {
 
 dvec3 sumOfLights(const Scene& scene, const dvec3& at, const dvec3& normal, bool bothSides, Pixel& pixel)
 {
-    const size_t casters = scene.objects.size() - 1; // all but the glass
     dvec3 sum(0.08);
     for (const embed::Light& light : embed::lightsAt((kFrames - 1) / 60.0)) {
-        const dvec3 direction(light.direction), position(light.positionAndRange);
-        const bool sun = light.colour.w == 0.0f;
+        const dvec3 direction(light.direction), position(light.position);
+        const bool sun = light.position.w == 0.0f;
         const dvec3 toLight = sun ? -direction : position - at;
-        const double away = glm::length(toLight), range = double(light.positionAndRange.w);
+        const double away = glm::length(toLight), range = double(light.colour.w);
         const double fade = range > 0.0 ? 1.0 - std::min(away / range, 1.0) : 1.0;
         const double cosine = glm::dot(normal, toLight) / away,
                      facing = bothSides ? std::abs(cosine) : std::max(cosine, 0.0);
@@ -161,7 +158,7 @@ dvec3 sumOfLights(const Scene& scene, const dvec3& at, const dvec3& normal, bool
         const bool reached = !outside && facing > 0.0 && fade > 0.0;
         const double far = sun ? HUGE_VAL : 1.0; // of a lamp the ray's end
         const bool blocked =
-            reached && trace(scene, casters, at + 1e-6 * normal * (cosine < 0.0 ? -1.0 : 1.0), toLight).t < far;
+            reached && trace(scene, scene.opaque, at + 1e-6 * normal * (cosine < 0.0 ? -1.0 : 1.0), toLight).t < far;
         pixel.key += blocked ? 'd' : reached ? 'l' : '-';
         pixel.dark += blocked && facing > 0.1;
         pixel.lit += reached && !blocked;
@@ -172,24 +169,24 @@ dvec3 sumOfLights(const Scene& scene, const dvec3& at, const dvec3& normal, bool
 
 std::vector<Pixel> expected(const Scene& scene)
 {
-    const embed::Camera camera =
-        embed::orbit(embed::kYaw, embed::kPitch, embed::kDistance, float(kWidth) / float(kHeight));
-    const dvec3 eye(camera.eye);
+    const embed::Camera camera;
+    const dvec3 eye(camera.eye());
+    const glm::dmat3 worldFromView = glm::transpose(glm::dmat3(glm::mat3(camera.viewFromWorld())));
+    const glm::mat4 clipFromView = embed::Camera::clipFromView(float(kWidth) / float(kHeight));
     std::vector<Pixel> pixels(size_t(kWidth) * kHeight);
     for (int i = 0; i < kWidth * kHeight; ++i) {
         Pixel& pixel = pixels[size_t(i)];
         const double clipX = 2.0 * (i % kWidth + 0.5) / kWidth - 1.0, clipY = 2.0 * (i / kWidth + 0.5) / kHeight - 1.0;
-        const dvec3 ray = glm::dmat3(camera.worldFromView) * dvec3(clipX / double(camera.clipFromView[0][0]),
-                                                                   clipY / double(camera.clipFromView[1][1]), -1.0);
-        const Hit behind = trace(scene, scene.objects.size() - 1, eye, ray),
-                  front = trace(scene, scene.objects.size(), eye, ray);
+        const dvec3 ray =
+            worldFromView * dvec3(clipX / double(clipFromView[0][0]), clipY / double(clipFromView[1][1]), -1.0);
+        const Hit behind = trace(scene, scene.opaque, eye, ray), front = trace(scene, scene.glass, eye, ray);
         pixel.colour = dvec3(0.1, 0.12, 0.16);
         if (behind.object) {
             pixel.key += behind.object->name + std::to_string(int(100.0 * behind.normal.x + 10.0 * behind.normal.y));
             pixel.colour =
                 dvec3(behind.object->colour) * sumOfLights(scene, eye + behind.t * ray, behind.normal, false, pixel);
         }
-        if (front.object == behind.object) continue;
+        if (!front.object || front.t > behind.t) continue;
         pixel.key += front.object->name;
         pixel.dark = pixel.lit = 0;
         const dvec3 sum = sumOfLights(scene, eye + front.t * ray, front.normal, true, pixel);
@@ -213,15 +210,15 @@ bool isClear(const std::vector<Pixel>& pixels, int x, int y)
 TEST_CASE("a glTF file's triangles stand where its nodes place them")
 {
     const Scene scene = embed::loadScene(writeTable());
-    const embed::Object& model = scene.objects[1];
+    const embed::Object& model = scene.opaque[1];
     CHECK(std::string(model.name) == "model");
-    CHECK(model.indexCount == 72);
+    CHECK(model.count == 72);
     dvec3 low(HUGE_VAL), high(-HUGE_VAL);
     double volume = 0.0; // by the divergence theorem
-    for (uint32_t i = 0; i < model.indexCount; i += 3) {
+    for (uint32_t i = 0; i < model.count; i += 3) {
         dvec3 p[3];
         for (uint32_t k = 0; k < 3; ++k) {
-            p[k] = scene.positions[model.firstVertex + scene.indices[model.firstIndex + i + k]];
+            p[k] = scene.corners[model.first + i + k];
             low = glm::min(low, p[k]);
             high = glm::max(high, p[k]);
         }
