@@ -11,6 +11,8 @@
 #include <GLFW/glfw3.h>
 #include <gnomon/gnomon.hpp>
 
+#include "embed_shaders.h"
+
 namespace embed {
 
 struct Gpu {
@@ -103,7 +105,8 @@ struct Canvas {
         pass = {gpu_.device, vk::RenderPassCreateInfo({}, attachments, subpass, around)};
     }
 
-    /// Makes the images anew. \param shown The one image, where it is a swapchain's.
+    /// Makes the images anew; the device is done with the old ones. \param shown The one image, where it is a
+    /// swapchain's.
     void resize(vk::Extent2D wanted, vk::Image shown = {})
     {
         size = wanted;
@@ -119,10 +122,9 @@ struct Canvas {
                 made.image = {gpu_.device, info};
                 made.memory = gpu_.place(made.image, vk::MemoryPropertyFlagBits::eDeviceLocal);
             }
-            using Aspect = vk::ImageAspectFlagBits;
-            const vk::ImageSubresourceRange all(depth ? Aspect::eDepth : Aspect::eColor, 0, 1, 0, 1);
+            const auto aspect = depth ? vk::ImageAspectFlagBits::eDepth : vk::ImageAspectFlagBits::eColor;
             made.view = {gpu_.device, vk::ImageViewCreateInfo({}, shown ? shown : *made.image, vk::ImageViewType::e2D,
-                                                              made.format, {}, all)};
+                                                              made.format, {}, {aspect, 0, 1, 0, 1})};
             views.push_back(*made.view);
         }
         framebuffer = {gpu_.device, vk::FramebufferCreateInfo({}, *pass, views, size.width, size.height, 1)};
@@ -137,12 +139,11 @@ struct Canvas {
         commands.setScissor(0, vk::Rect2D({}, size));
     }
 
-    /// \param blended By alpha, with what has been drawn.
-    vk::raii::Pipeline createPipeline(vk::PipelineLayout layout, std::span<const uint32_t> vertexCode,
-                                      std::span<const uint32_t> fragmentCode, bool blended) const
+    /// Draws triangles. \param code Of fragments, SPIR-V. \param blended By alpha, with what has been drawn.
+    vk::raii::Pipeline createPipeline(vk::PipelineLayout layout, std::span<const uint32_t> code, bool blended) const
     {
-        const vk::raii::ShaderModule vertex(gpu_.device, {{}, vertexCode.size_bytes(), vertexCode.data()});
-        const vk::raii::ShaderModule fragment(gpu_.device, {{}, fragmentCode.size_bytes(), fragmentCode.data()});
+        const vk::raii::ShaderModule vertex(gpu_.device, {{}, sizeof k_corner_vert, k_corner_vert});
+        const vk::raii::ShaderModule fragment(gpu_.device, {{}, code.size_bytes(), code.data()});
         const vk::PipelineShaderStageCreateInfo stages[] = {
             {{}, vk::ShaderStageFlagBits::eVertex, *vertex, "main"},
             {{}, vk::ShaderStageFlagBits::eFragment, *fragment, "main"}};

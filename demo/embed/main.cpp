@@ -64,6 +64,7 @@ public:
         ImGui::DestroyContext();
     }
 
+    /// What the panel has to say of the last frame.
     ImDrawData* draw(const Shadows& shadows, bool recorded)
     {
         ImGui_ImplVulkan_NewFrame();

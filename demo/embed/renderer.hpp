@@ -7,8 +7,6 @@
 
 #include <imgui_impl_vulkan.h>
 
-#include "embed_shaders.h"
-
 namespace embed {
 
 constexpr uint32_t kInFlight = 2; // frames
@@ -33,7 +31,7 @@ public:
     ~Renderer() { gpu_.device.waitIdle(); }
 
     /// \param recorded gnomon records into our command buffer; else it submits to the queue.
-    /// \param overlay Dear ImGui's, over the picture, or null.
+    /// \param overlay Dear ImGui's, over the picture; or null.
     void draw(const Camera& camera, const Lights& lights, bool recorded, ImDrawData* overlay)
     {
         const Slot& slot = slots_[(frame_ + 1) % kInFlight];
@@ -42,7 +40,7 @@ public:
         if (!target) return;
         gpu_.device.resetFences(*slot.done);
         slot.pool.reset();
-        if (surfaces_.size != target->size) surfaces_.resize(target->size);
+        if (surfaces_.size != target->size) surfaces_.resize(target->size); // the swapchain has waited for the device
         const glm::mat4 clipFromView = camera.clipFromView(float(target->size.width) / float(target->size.height));
         const glm::mat4 clipFromWorld = clipFromView * camera.viewFromWorld();
 
@@ -168,9 +166,9 @@ private:
                      vk::ImageLayout::eShaderReadOnlyOptimal};
     vk::raii::DescriptorSetLayout setLayout_{gpu_.device, vk::DescriptorSetLayoutCreateInfo(kPushed, kBindings)};
     vk::raii::PipelineLayout layout_{gpu_.device, vk::PipelineLayoutCreateInfo({}, *setLayout_, kObject)};
-    vk::raii::Pipeline surface_ = surfaces_.createPipeline(*layout_, k_corner_vert, k_surface_frag, false);
-    vk::raii::Pipeline lighting_ = picture_.createPipeline(*layout_, k_corner_vert, k_lighting_frag, false);
-    vk::raii::Pipeline glass_ = picture_.createPipeline(*layout_, k_corner_vert, k_glass_frag, true);
+    vk::raii::Pipeline surface_ = surfaces_.createPipeline(*layout_, k_surface_frag, false);
+    vk::raii::Pipeline lighting_ = picture_.createPipeline(*layout_, k_lighting_frag, false);
+    vk::raii::Pipeline glass_ = picture_.createPipeline(*layout_, k_glass_frag, true);
     std::array<Slot, kInFlight> slots_{Slot{gpu_.device}, Slot{gpu_.device}};
 };
 
