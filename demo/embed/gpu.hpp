@@ -80,7 +80,7 @@ struct Image {
     vk::raii::Image image = nullptr;
     vk::raii::ImageView view = nullptr;
 };
-constexpr auto kDepthFormat = vk::Format::eD32Sfloat, kPictureFormat = vk::Format::eB8G8R8A8Unorm;
+constexpr auto kDepthFormat = vk::Format::eD32Sfloat, kWindowFormat = vk::Format::eB8G8R8A8Unorm;
 
 /// Images that are drawn into together.
 struct Canvas {
@@ -215,7 +215,7 @@ public:
     }
 
 private:
-    static constexpr vk::SurfaceFormatKHR kFormat{kPictureFormat, vk::ColorSpaceKHR::eSrgbNonlinear};
+    static constexpr vk::SurfaceFormatKHR kFormat{kWindowFormat, vk::ColorSpaceKHR::eSrgbNonlinear};
 
     void create(const vk::SurfaceCapabilitiesKHR& limits, vk::Extent2D size)
     {
@@ -229,7 +229,7 @@ private:
         swapchain_ = nullptr;
         swapchain_ = {gpu_.device, info};
         for (const vk::Image image : swapchain_.getImages()) {
-            images_.push_back({gpu_, {kPictureFormat}, vk::ImageLayout::ePresentSrcKHR});
+            images_.push_back({gpu_, {kWindowFormat}, vk::ImageLayout::ePresentSrcKHR});
             images_.back().resize(size, image);
             drawn_.emplace_back(gpu_.device, vk::SemaphoreCreateInfo());
         }

@@ -91,7 +91,8 @@ void run(const Options& options)
     GLFWwindow* const window = options.headless ? nullptr : openWindow(options);
     const Gpu gpu(window);
     const Scene scene = loadScene(options.model);
-    Canvas picture(gpu, {kPictureFormat}, vk::ImageLayout::eTransferSrcOptimal);
+    const auto format = window ? kWindowFormat : vk::Format::eR8G8B8A8Unorm; // PNG's order of bytes
+    Canvas picture(gpu, {format}, vk::ImageLayout::eTransferSrcOptimal);
     picture.resize({options.width, options.height});
     std::optional<Swapchain> swapchain;
     if (window) swapchain.emplace(gpu, window);

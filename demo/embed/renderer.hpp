@@ -22,8 +22,8 @@ public:
         const size_t cornerBytes = scene.corners.size() * sizeof(glm::vec3);
         pixelsAt_ = kCornersAt + cornerBytes;
         const auto usage = Usage::eUniformBuffer | Usage::eVertexBuffer | Usage::eTransferDst;
-        bytes_ = pixelsAt_ + 4 * picture.size.width * picture.size.height;
-        buffer_ = {gpu.device, vk::BufferCreateInfo({}, bytes_, usage)};
+        const vk::DeviceSize pixelBytes = 4 * picture.size.width * picture.size.height;
+        buffer_ = {gpu.device, vk::BufferCreateInfo({}, pixelsAt_ + pixelBytes, usage)};
         bufferMemory_ = gpu.place(buffer_, Property::eHostVisible | Property::eHostCoherent);
         mapped_ = static_cast<unsigned char*>(bufferMemory_.mapMemory(0, VK_WHOLE_SIZE));
         std::memcpy(mapped_ + kCornersAt, scene.corners.data(), cornerBytes);
@@ -73,14 +73,11 @@ public:
             gpu_.queue.submit(vk::SubmitInfo({}, {}, *after), *slot.done);
     }
 
-    /// What the last frame without a window shows: red, green, blue and alpha of each pixel.
-    std::vector<unsigned char> pixels() const
+    /// What the last frame without a window shows: four bytes a pixel.
+    const unsigned char* pixels() const
     {
         gpu_.device.waitIdle();
-        std::vector<unsigned char> made(mapped_ + pixelsAt_, mapped_ + bytes_);
-        for (size_t i = 0; i < made.size(); i += 4)
-            std::swap(made[i], made[i + 2]); // they are stored the other way round
-        return made;
+        return mapped_ + pixelsAt_;
     }
 
     Shadows shadows;
@@ -160,7 +157,7 @@ private:
     vk::raii::DeviceMemory bufferMemory_ = nullptr;
     vk::raii::Buffer buffer_ = nullptr; // data of the frame, corners of the scene, pixels of the picture
     unsigned char* mapped_ = nullptr;
-    vk::DeviceSize pixelsAt_ = 0, bytes_ = 0;
+    vk::DeviceSize pixelsAt_ = 0;
     Canvas surfaces_{gpu_,
                      {vk::Format::eR8G8B8A8Unorm, vk::Format::eR16G16B16A16Sfloat, kDepthFormat},
                      vk::ImageLayout::eShaderReadOnlyOptimal};
