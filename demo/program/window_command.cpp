@@ -17,6 +17,7 @@
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
 #include "demo/program/decision_log.hpp"
+#include "demo/program/fly_camera.hpp"
 #include "demo/program/frame_log.hpp"
 #include "demo/program/picture_views.hpp"
 #include "demo/program/pictures.hpp"
@@ -33,8 +34,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kMetresPerSecond = 4.0, kFastFactor = 4.0;
-constexpr double kRadiansPerPixel = 0.004; // half a turn over 800 pixels
 constexpr const char* kHelp =
     "keys: W A S D Q E move (shift: fast), right mouse button looks around, C scripted camera,\n"
     "      Tab next light, 1-9 pin a method on it, 0 hand it back to the rules, Y why it has its method,\n"
@@ -42,57 +41,6 @@ constexpr const char* kHelp =
     "      V splits the picture, right by ray_traced (the left mouse button moves the line),\n"
     "      F shows there what is wrong, M how many pixels wide texels of the selected light's map are,\n"
     "      R records, F1 panel (where this build has one), F12 screenshot.png, Esc quits\n";
-
-/// Follows the scene's camera until the first key, then flies.
-class FlyCamera {
-public:
-    /// What the keys and the mouse are for something else is said by `keys` and `mouse`: false.
-    CameraState update(Window& window, const CameraState& scripted, double seconds, bool keys, bool mouse)
-    {
-        double dx = 0.0, dy = 0.0;
-        bool looked = window.dragging(dx, dy);
-        if (!mouse) {
-            looked = false;
-            dx = dy = 0.0;
-        }
-        glm::dvec3 move(0.0);
-        const auto axis = [&](int plus, int minus) {
-            return keys ? double(window.held(plus)) - double(window.held(minus)) : 0.0;
-        };
-        move.x = axis(GLFW_KEY_D, GLFW_KEY_A);
-        move.y = axis(GLFW_KEY_E, GLFW_KEY_Q);
-        move.z = axis(GLFW_KEY_W, GLFW_KEY_S);
-        if (!flying_ && (looked || move != glm::dvec3(0.0))) takeOver(scripted);
-        if (!flying_) return scripted;
-        yaw_ -= dx * kRadiansPerPixel;
-        pitch_ = std::clamp(pitch_ - dy * kRadiansPerPixel, -1.5, 1.5); // short of straight up and down
-        const glm::dvec3 forward(-std::sin(yaw_) * std::cos(pitch_), std::sin(pitch_),
-                                 -std::cos(yaw_) * std::cos(pitch_));
-        const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(0.0, 1.0, 0.0)));
-        const double step = seconds * kMetresPerSecond * (window.held(GLFW_KEY_LEFT_SHIFT) ? kFastFactor : 1.0);
-        eye_ += step * (move.x * right + move.y * glm::dvec3(0.0, 1.0, 0.0) + move.z * forward);
-        CameraState camera = scripted;
-        camera.eye = eye_;
-        camera.target = eye_ + forward;
-        camera.up = glm::cross(right, forward);
-        return camera;
-    }
-    void followScript() { flying_ = false; }
-    bool flying() const { return flying_; }
-
-private:
-    void takeOver(const CameraState& from)
-    {
-        flying_ = true;
-        eye_ = from.eye;
-        const glm::dvec3 forward = from.forward();
-        yaw_ = std::atan2(-forward.x, -forward.z);
-        pitch_ = std::asin(std::clamp(forward.y, -1.0, 1.0));
-    }
-    bool flying_ = false;
-    glm::dvec3 eye_{0.0};
-    double yaw_ = 0.0, pitch_ = 0.0;
-};
 
 /// Which light the number keys speak to, and what they do.
 class MethodKeys {
