@@ -109,9 +109,7 @@ Job plan(Device& device, Scene scene, const BenchOptions& options, const std::ve
     // To list methods; draws nothing.
     Session session(device, scene, {.scene = {}, .size = {16, 16}, .plugins = options.plugins});
     const std::vector<GnMethodInfo> methods = session.shadows.methods();
-    for (const SettingChoice& choice : choices)
-        if (std::ranges::none_of(methods, [&](const GnMethodInfo& info) { return hasSetting(info, choice.name); }))
-            throw HostError("--set: no method has a setting '" + choice.name + "'");
+    requireOwners(choices, methods);
     for (const GnMethodInfo& info : methods) {
         if (!isWanted(info.pName) && isBuiltIn(info.pName)) continue;
         if (const char* reason = reasonAgainst(info, scene, options.recorded)) {
@@ -128,10 +126,9 @@ Job plan(Device& device, Scene scene, const BenchOptions& options, const std::ve
     return job;
 }
 
-/// Refuses what would count, or be called, something else.
-void requireMeaning(const std::vector<SettingChoice>& choices, const BenchOptions& options)
+/// `--map` and `--set` would say different sizes.
+void requireOneSize(const std::vector<SettingChoice>& choices, const BenchOptions& options)
 {
-    requireNoReasons(choices);
     for (const SettingChoice& choice : choices)
         if (!options.maps.empty() && (choice.name == kResolutionSetting || choice.name == kRowsSetting))
             throw HostError("--map sets '" + choice.name + "' already; it cannot be in --set, too");
@@ -155,10 +152,9 @@ Benched::Row plottedRow(const BenchRow& row, const char* device)
 int benchCommand(const BenchOptions& options)
 {
     const std::vector<std::string> wanted = parseNames(options.methods);
-    const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods(wanted, std::array{kNoneMethod, kBareMethod});
-    if (options.plugins.empty()) requireSettings(choices, wanted); // a plug-in's settings are known when it is loaded
-    requireMeaning(choices, options);
+    const std::vector<SettingChoice> choices = requireChoices(options.settings, wanted, !options.plugins.empty());
+    requireOneSize(choices, options);
     requireScenes(options.scenes);
     requireWritable(options.csv);
     requireWritable(options.plot);

@@ -14,14 +14,6 @@
 namespace gnomon::demo {
 namespace {
 
-/// As the context has it now; its pointers live as long.
-GnMethodInfo infoOf(const ShadowHost& shadows, const std::string& method)
-{
-    for (const GnMethodInfo& info : shadows.methods())
-        if (method == info.pName) return info;
-    throw HostError("no method '" + method + "'");
-}
-
 uint64_t softPixels(const BenchRow& row)
 {
     return row.soft.penumbra.pixels + row.soft.outside.pixels;
@@ -47,12 +39,6 @@ const std::vector<std::string>& benchColumns()
         "mean_abs_error,penumbra_pct,penumbra_rmse,penumbra_mean_abs,penumbra_off_pct,outside_rmse,"
         "outside_mean_abs,outside_off_pct,aliasing_p50,aliasing_p95");
     return columns;
-}
-
-bool hasSetting(const GnMethodInfo& method, std::string_view name)
-{
-    return std::any_of(method.pSettings, method.pSettings + method.settingCount,
-                       [&](const GnSettingInfo& setting) { return setting.pName == name; });
 }
 
 const GnSettingInfo* sizeSetting(const GnMethodInfo& method)
@@ -106,8 +92,7 @@ BenchRow SceneBench::method(const std::string& name, GnTraits traits, std::optio
     Session session(device_, served, sessionOptions());
     const GnMethodInfo info = infoOf(session.shadows, name);
     if (map) expect(session.shadows.set(name, sizeSetting(info)->pName, *map));
-    for (const SettingChoice& choice : choices_)
-        if (hasSetting(info, choice.name)) expect(session.shadows.set(name, choice.name, choice.value));
+    setChoices(session.shadows, name, choices_);
     expect(session.shadows.pinAll(name));
     settle(session, name, frameTime(served, 0), options_.recorded);
     const GnMethodInfo inForce = infoOf(session.shadows, name);

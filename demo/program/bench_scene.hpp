@@ -42,7 +42,6 @@ double incrementMs(const BenchRow& row);
 /// In a line or two on standard output.
 void printRow(const BenchRow& row);
 
-bool hasSetting(const GnMethodInfo& method, std::string_view name);
 /// What makes a method finer: texels of a map's side, rows of a table. Null: nothing does.
 const GnSettingInfo* sizeSetting(const GnMethodInfo& method);
 /// Null: the method can be measured.

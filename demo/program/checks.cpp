@@ -48,13 +48,20 @@ std::string ownersOf(const std::string& setting)
     return owners;
 }
 
-std::string settingHint(const std::string& name)
+HostError unknownSetting(const std::string& name, std::vector<std::string_view> known)
 {
-    std::vector<std::string_view> known;
+    std::ranges::sort(known);
+    known.erase(std::ranges::unique(known).begin(), known.end()); // several methods have it
+    return HostError("--set: no method has a setting '" + name + "'" + rules::suggestion(name, known));
+}
+
+std::vector<std::string_view> builtInSettings()
+{
+    std::vector<std::string_view> names;
     for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
         for (const SettingSpec& setting : algorithm.entry->settings)
-            if (std::find(known.begin(), known.end(), setting.name) == known.end()) known.emplace_back(setting.name);
-    return rules::suggestion(name, known);
+            names.emplace_back(setting.name);
+    return names;
 }
 
 /// \param methods empty: all of this build.
@@ -89,16 +96,39 @@ bool isBuiltIn(std::string_view method)
     return entryOf(method) != nullptr;
 }
 
-void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
+std::vector<SettingChoice> requireChoices(const std::string& text, const std::vector<std::string>& methods,
+                                          bool plugins)
 {
+    std::vector<SettingChoice> choices = parseChoices(text);
     for (const SettingChoice& choice : choices) {
-        if (isSettingOf(methods, choice.name)) continue;
+        if (choice.name == "reasons")
+            throw HostError("--set: 'reasons' puts codes in place of visibility; `gnomon-theses reasons` sets it where "
+                            "it wants codes");
+        if (plugins || isSettingOf(methods, choice.name)) continue;
         const std::string owners = ownersOf(choice.name);
-        if (owners.empty())
-            throw HostError("--set: no method has a setting '" + choice.name + "'" + settingHint(choice.name));
-        throw HostError("--set: no method that is measured has a setting '" + choice.name + "'; it belongs to " +
+        if (owners.empty()) throw unknownSetting(choice.name, builtInSettings());
+        throw HostError("--set: no method that is asked for has a setting '" + choice.name + "'; it belongs to " +
                         owners);
     }
+    return choices;
+}
+
+std::vector<SettingChoice> requireChoices(const RunOptions& options)
+{
+    const std::vector<std::string> methods = parseNames(options.method); // one, or none
+    std::vector<SettingChoice> choices = requireChoices(options.settings, methods, !options.plugins.empty());
+    requireRanges(choices, methods);
+    return choices;
+}
+
+void requireOwners(const std::vector<SettingChoice>& choices, const std::vector<GnMethodInfo>& methods)
+{
+    std::vector<std::string_view> known;
+    for (const GnMethodInfo& method : methods)
+        for (uint32_t i = 0; i < method.settingCount; ++i)
+            known.emplace_back(method.pSettings[i].pName);
+    for (const SettingChoice& choice : choices)
+        if (std::ranges::find(known, choice.name) == known.end()) throw unknownSetting(choice.name, known);
 }
 
 void requireSetting(const std::string& method, const std::string& setting)
@@ -110,23 +140,16 @@ void requireSetting(const std::string& method, const std::string& setting)
 void requireRanges(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods)
 {
     for (const SettingChoice& choice : choices)
-        for (const std::string& method : methods) {
-            const AlgorithmEntry* entry = entryOf(method);
-            const SettingSpec* setting = entry ? settingOf(*entry, choice.name) : nullptr;
-            if (!setting || (choice.value >= setting->minimum && choice.value <= setting->maximum)) continue;
+        for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms) {
+            const std::string name = algorithm.entry->name;
+            const SettingSpec* setting = settingOf(*algorithm.entry, choice.name);
+            if (!setting || (!methods.empty() && !contains(methods, name))) continue;
+            if (choice.value >= setting->minimum && choice.value <= setting->maximum) continue;
             if (setting->byCoverage && choice.value == 0.0) continue;
-            throw HostError("--set: " + method + " takes '" + choice.name + "' from " + numberText(setting->minimum) +
+            throw HostError("--set: " + name + " takes '" + choice.name + "' from " + numberText(setting->minimum) +
                             " to " + numberText(setting->maximum) + (setting->byCoverage ? ", or 0" : "") + ", not " +
                             numberText(choice.value));
         }
-}
-
-void requireNoReasons(const std::vector<SettingChoice>& choices)
-{
-    for (const SettingChoice& choice : choices)
-        if (choice.name == "reasons")
-            throw HostError("--set: 'reasons' puts codes in place of the visibility that errors are counted in; "
-                            "`gnomon-theses reasons` sets it where it wants codes");
 }
 
 void requireRecordable(const std::string& method)

@@ -21,17 +21,23 @@ void requireMethods(const std::vector<std::string>& names, std::span<const char*
 /// Whether the method is of this build; else a plug-in brought it.
 bool isBuiltIn(std::string_view method);
 
-/// Each setting is one of at least one of the methods. \param methods empty: all of this build.
-void requireSettings(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);
+/// What `--set` says: each setting is one of at least one of the methods, and none is `reasons`, which puts codes in
+/// place of visibility. \param methods empty: all of this build. \param plugins some are loaded: a setting that is
+/// unknown here may be theirs, see requireOwners().
+std::vector<SettingChoice> requireChoices(const std::string& text, const std::vector<std::string>& methods,
+                                          bool plugins = false);
+
+/// The same of a run or a window, whose method, or all of this build where it names none, take the values.
+std::vector<SettingChoice> requireChoices(const RunOptions& options);
+
+/// Each setting is one of at least one of the methods, which a context has listed.
+void requireOwners(const std::vector<SettingChoice>& choices, const std::vector<GnMethodInfo>& methods);
 
 /// The method has the setting.
 void requireSetting(const std::string& method, const std::string& setting);
 
-/// Each value is one that each of the methods that have the setting takes.
+/// Each value is one that each of the methods that have the setting takes. \param methods empty: all of this build.
 void requireRanges(const std::vector<SettingChoice>& choices, const std::vector<std::string>& methods);
-
-/// None of the settings puts reason codes in place of visibility: whoever counts errors would count codes.
-void requireNoReasons(const std::vector<SettingChoice>& choices);
 
 /// The method can be recorded: it needs no CPU between its passes. Unknown names pass; pinning them says why not.
 void requireRecordable(const std::string& method);

@@ -9,7 +9,7 @@
 namespace gnomon::demo {
 
 struct RunOptions {
-    std::string scene, rules, method, size;
+    std::string scene, rules, method, settings, size;
     std::string knowledge; ///< loadKnowledge().
     uint32_t frames = 0;   ///< 0: the scene's.
     float budgetMs = 0.0f;
@@ -63,7 +63,7 @@ int publishCommand(const PublishOptions& options);
 
 struct ContactOptions {
     std::vector<std::string> scenes;
-    std::string methods, size, out = "contact.png";
+    std::string methods, settings, size, out = "contact.png";
     SourceSizes sources;
 };
 int contactCommand(const ContactOptions& options);

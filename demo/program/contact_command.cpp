@@ -116,21 +116,17 @@ std::vector<std::string> methodNames(Device& device, const Scene& scene, const s
     return names;
 }
 
-GnTraits traitsOf(const ShadowHost& shadows, const std::string& method)
-{
-    for (const GnMethodInfo& info : shadows.methods())
-        if (method == info.pName) return info.traits;
-    return 0;
-}
-
 } // namespace
 
 int contactCommand(const ContactOptions& options)
 {
-    requireMethods(parseNames(options.methods));
+    const std::vector<std::string> wanted = parseNames(options.methods);
+    requireMethods(wanted);
+    const std::vector<SettingChoice> choices = requireChoices(options.settings, wanted);
+    requireRanges(choices, wanted);
     requireScenes(options.scenes);
     requireWritable(options.out);
-    const bool asked = !options.methods.empty();
+    const bool asked = !wanted.empty();
     bool drawn = false;
     const std::unique_ptr<Device> device = Device::create({});
     std::vector<std::string> scenes = options.scenes;
@@ -145,7 +141,7 @@ int contactCommand(const ContactOptions& options)
         Scene scene = valueOf(loadScene(scenes[row]));
         setSourceSizes(scene, options.sources);
         if (methods.empty()) {
-            methods = methodNames(*device, scene, parseNames(options.methods));
+            methods = methodNames(*device, scene, wanted);
             if (methods.empty()) throw HostError("none of the methods asked for is in this build");
             bandRows = (static_cast<uint32_t>(methods.size()) + kMethodsPerRow - 1) / kMethodsPerRow;
             sheet = Image8(kMethodsPerRow * kCellWidth + kGap,
@@ -163,8 +159,9 @@ int contactCommand(const ContactOptions& options)
             const int32_t x = int32_t(column % kMethodsPerRow * kCellWidth + kGap);
             const int32_t y = int32_t((row * bandRows + column / kMethodsPerRow) * cellHeight() + kGap);
             Session probe(*device, scene, {.scene = {}, .size = {16, 16}});
-            const Scene served = onlyServed(scene, traitsOf(probe.shadows, methods[column]));
-            const std::string caption = scenes[row] + "  " + methods[column];
+            const GnMethodInfo info = infoOf(probe.shadows, methods[column]);
+            const Scene served = onlyServed(scene, info.traits);
+            const std::string caption = scenes[row] + "  " + methods[column] + textOf(info, choices);
             if (lightCountAt(served, time, false) == 0) {
                 const bool serves = !served.lights.empty();
                 drawText(sheet, x, y,
@@ -176,6 +173,7 @@ int contactCommand(const ContactOptions& options)
             }
             try {
                 Session session(*device, served, {.scene = {}, .size = size});
+                setChoices(session.shadows, methods[column], choices);
                 expect(session.shadows.pinAll(methods[column]));
                 settle(session, methods[column], time, false);
                 drawMethod({sheet, x, y, caption}, session, *truth);

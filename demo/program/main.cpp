@@ -48,6 +48,11 @@ void addSources(CLI::App& command, SourceSizes& sources)
         ->check(numberIn(0.0, 45.0));
 }
 
+void addSettings(CLI::App& command, std::string& settings)
+{
+    command.add_option("--set", settings, "SETTING=NUMBER,... for methods that have the setting");
+}
+
 /// What a picture of a scene takes, in a window or without.
 void addDrawing(CLI::App& command, RunOptions& options)
 {
@@ -55,6 +60,7 @@ void addDrawing(CLI::App& command, RunOptions& options)
     auto* rules = command.add_option("--rules", options.rules, rulesHelp());
     command.add_option("--method", options.method, "this method for every light it serves, instead of rules")
         ->excludes(rules);
+    addSettings(command, options.settings);
     command.add_option("--knowledge", options.knowledge,
                        "what the cost model starts from: a path, `lavapipe` or `h100`; default: the shipped one "
                        "nearest to the device");
@@ -133,7 +139,7 @@ void addBench(CLI::App& app, BenchOptions& options, int& exitCode)
     bench->add_option("--lights", options.lights, "1,2,4,... default: the scene's");
     bench->add_option("--light", options.light, "NAME,... only these of the lights; default: all");
     bench->add_option("--map", options.maps, "512,1024,... for methods with a resolution; default: theirs");
-    bench->add_option("--set", options.settings, "SETTING=NUMBER,... for methods that have the setting");
+    addSettings(*bench, options.settings);
     addSources(*bench, options.sources);
     bench->add_flag("--merged", options.merged, "what stands still is one mesh, as exporters write buildings");
     bench->add_option("--size", options.size, "picture size; default: the scene's");
@@ -176,6 +182,7 @@ void addContact(CLI::App& app, ContactOptions& options, int& exitCode)
     CLI::App* contact = app.add_subcommand("contact", "contact sheet: methods by scenes, with the largest errors");
     contact->add_option("SCENE", options.scenes, "scenes; default: all shipped ones");
     contact->add_option("--methods", options.methods, "a,b,... default: all");
+    addSettings(*contact, options.settings);
     addSources(*contact, options.sources);
     contact->add_option("--size", options.size, "picture size; default: the scene's");
     contact->add_option("--out", options.out, "PNG file")->capture_default_str();

@@ -239,6 +239,7 @@ std::string commandOf(const RunOptions& options)
     };
     add("rules", options.rules);
     add("method", options.method);
+    add("set", options.settings);
     add("knowledge", options.knowledge);
     add("size", options.size);
     add("frames", options.frames > 0 ? std::to_string(options.frames) : "");
@@ -281,6 +282,7 @@ int runCommand(const RunOptions& options)
 {
     const std::vector<WhyQuestion> questions = parseQuestions(options.why);
     check(options);
+    const std::vector<SettingChoice> choices = requireChoices(options);
     requireAnswers(questions, options);
     const SessionOptions forSession = sessionOptions(options);
     removeOldFiles(options.out, options.rules);
@@ -289,6 +291,8 @@ int runCommand(const RunOptions& options)
     for (const std::string& note : session.scene.notes)
         std::fprintf(stderr, "note: %s\n", note.c_str());
 
+    requireOwners(choices, session.shadows.methods()); // plug-ins' too
+    setChoices(session.shadows, options.method, choices);
     RuleWatch rules(options.rules); // before they are read: a change from now on is one
     const std::string chooser = chooseMethods(session.shadows, options, options.out);
     expect(session.shadows.warmUp());

@@ -425,6 +425,7 @@ private:
 int windowCommand(const RunOptions& options)
 {
     if (options.recorded) requireRecordable(options.method);
+    const std::vector<SettingChoice> choices = requireChoices(options);
     const std::vector<WhyQuestion> questions = parseQuestions(options.why);
     requireAnswers(questions, options);
     requireWritable(options.screenshot);
@@ -432,6 +433,8 @@ int windowCommand(const RunOptions& options)
     SessionOptions sessionOptions = demo::sessionOptions(options);
     sessionOptions.instanceExtensions = system.instanceExtensions();
     Session session(sessionOptions);
+    requireOwners(choices, session.shadows.methods()); // plug-ins' too
+    setChoices(session.shadows, options.method, choices);
     DecisionCollector decisions;
     WindowRules rules(session.shadows, options.rules,
                       [&] { decisions.collect(session.shadows); }); // under those that made them

@@ -100,12 +100,10 @@ void print(const Tallies& tallies, const std::string& scene, const std::string& 
 
 int reasonsCommand(const ReasonsOptions& options)
 {
-    const std::vector<SettingChoice> choices = parseChoices(options.settings);
     requireMethods({options.method});
     requireSetting(options.method, "reasons");
-    requireSettings(choices, {options.method});
+    const std::vector<SettingChoice> choices = requireChoices(options.settings, {options.method});
     requireRanges(choices, {options.method});
-    requireNoReasons(choices);
     requireWritable(options.out);
     Scene scene = valueOf(loadScene(options.scene));
     const VkExtent2D size =
