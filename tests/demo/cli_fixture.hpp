@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <set>
 #include <string>
@@ -14,10 +13,9 @@
 #include <sys/wait.h>
 
 #include "demo/io/image.hpp"
+#include "own_folder.hpp"
 
 namespace gnomon::demo {
-
-namespace fs = std::filesystem;
 
 struct Ran {
     int exitCode = -1;
@@ -41,16 +39,6 @@ inline Ran gnomonProgram(const std::string& arguments, const std::string& before
 {
     return run(before + " '" GNOMON_PROGRAM "' " + arguments);
 }
-
-struct Folder {
-    explicit Folder(const std::string& name) : path(fs::temp_directory_path() / ("gnomon_cli_" + name))
-    {
-        fs::remove_all(path);
-        fs::create_directories(path);
-    }
-    ~Folder() { fs::remove_all(path); }
-    fs::path path;
-};
 
 inline std::vector<std::string> lines(const fs::path& file)
 {

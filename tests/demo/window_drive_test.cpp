@@ -6,131 +6,27 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
-#include <memory>
 #include <optional>
 #include <set>
 #include <sstream>
 #include <string>
 #include <thread>
 
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include "demo/io/png.hpp"
 #include "demo/program/session.hpp"
+#include "own_folder.hpp"
+#include "screen.hpp" // X11's macros come last
 #include "x_server.hpp"
-
-#include <X11/Xatom.h>
-#include <X11/Xlib.h>
-#include <X11/Xutil.h>
 
 namespace gnomon::demo {
 namespace {
 
-namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
 uint32_t displayScale()
 {
     return std::string_view(serverPurpose()) == "2" ? 2 : 1;
-}
-
-/// What the server shows.
-class Screen {
-public:
-    Screen() : display_(XOpenDisplay(nullptr), &XCloseDisplay) { REQUIRE(display_); }
-
-    /// As desktops say it, before a program starts.
-    void setDotsPerInch(uint32_t dots)
-    {
-        const std::string resource = "Xft.dpi: " + std::to_string(dots) + "\n";
-        XChangeProperty(display_.get(), root(), XA_RESOURCE_MANAGER, XA_STRING, 8, PropModeReplace,
-                        reinterpret_cast<const unsigned char*>(resource.data()), int(resource.size()));
-        XSync(display_.get(), False);
-    }
-
-    Image8 picture(uint32_t width, uint32_t height)
-    {
-        using UniqueImage = std::unique_ptr<XImage, int (*)(XImage*)>;
-        const UniqueImage image(XGetImage(display_.get(), root(), 0, 0, width, height, AllPlanes, ZPixmap),
-                                [](XImage* it) { return XDestroyImage(it); });
-        REQUIRE(image);
-        Image8 out(width, height, 3);
-        for (uint32_t y = 0; y < height; ++y)
-            for (uint32_t x = 0; x < width; ++x) {
-                const unsigned long pixel = XGetPixel(image.get(), int(x), int(y));
-                for (int channel = 0; channel < 3; ++channel)
-                    out.at(x, y)[channel] = uint8_t(pixel >> (16 - 8 * channel));
-            }
-        return out;
-    }
-
-private:
-    ::Window root() const { return DefaultRootWindow(display_.get()); }
-    std::unique_ptr<::Display, int (*)(::Display*)> display_;
-};
-
-/// A program in a folder of its own, told to end when this goes.
-class Program {
-public:
-    Program(const std::string& arguments, const fs::path& folder)
-    {
-        const std::string command =
-            "cd '" + folder.string() + "' && exec '" GNOMON_PROGRAM "' " + arguments + " >said.txt 2>&1";
-        pid_ = fork();
-        if (pid_ == 0) {
-            execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-            _exit(127);
-        }
-    }
-    ~Program()
-    {
-        if (pid_ <= 0) return;
-        kill(pid_, SIGKILL);
-        waitpid(pid_, nullptr, 0);
-    }
-    Program(const Program&) = delete;
-    Program& operator=(const Program&) = delete;
-
-    /// Its exit code once it has ended by itself.
-    int wait()
-    {
-        int status = 0;
-        waitpid(std::exchange(pid_, -1), &status, 0);
-        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    }
-
-private:
-    pid_t pid_ = -1;
-};
-
-std::string xdotool(const std::string& arguments)
-{
-    FILE* const pipe = popen(("xdotool " + arguments).c_str(), "r");
-    REQUIRE(pipe != nullptr);
-    std::string out;
-    char text[4096];
-    while (fgets(text, sizeof text, pipe))
-        out += text;
-    pclose(pipe);
-    while (!out.empty() && out.back() == '\n')
-        out.pop_back();
-    return out;
-}
-
-/// A software device draws some frames a second; a minute is for a machine that does other things.
-template <typename Condition>
-bool eventually(Condition&& condition)
-{
-    const auto end = std::chrono::steady_clock::now() + 60s;
-    while (std::chrono::steady_clock::now() < end) {
-        if (condition()) return true;
-        std::this_thread::sleep_for(100ms);
-    }
-    return false;
 }
 
 size_t colours(const Image8& picture)
@@ -235,10 +131,8 @@ constexpr uint32_t kWidth = 1280, kHeight = 720;
 
 /// The program at work, and somebody before it.
 struct Driven {
-    Driven() : folder(fs::temp_directory_path() / ("gnomon_window_drive_" + std::to_string(scale)))
+    Driven()
     {
-        fs::remove_all(folder);
-        fs::create_directories(folder);
         scene = withoutSecondLight(folder);
         other = otherMethod(scene, 3);
         screen.setDotsPerInch(96 * scale);
@@ -272,7 +166,9 @@ struct Driven {
     }
 
     const uint32_t scale = displayScale();
-    fs::path folder, scene;
+    const Folder own{"window_drive"}; // its pictures and what the program says
+    const fs::path& folder = own.path;
+    fs::path scene;
     std::pair<uint32_t, std::string> other;
     Screen screen;
     std::optional<Program> program;
@@ -487,7 +383,6 @@ TEST_CASE("the window shows the scene and a readable panel, and does what keys a
     CHECK(it.program->wait() == 0);
     said << std::ifstream(it.folder / "said.txt").rdbuf();
     CHECK_MESSAGE(said.str().find("switches") != std::string::npos, said.str()); // its summary
-    if (!std::getenv("GNOMON_KEEP_PICTURES")) fs::remove_all(it.folder);
 }
 
 } // namespace gnomon::demo
