@@ -96,6 +96,10 @@ struct AlgorithmEntry {
     /// Null, or whether with these settings penumbrae follow the source, as GN_TRAIT_SOFT_PENUMBRA_BIT promises of all.
     bool (*softens)(std::span<const double> settings) = nullptr;
 
+    /// Null, or what a setting counts as beside the others, where that is not its value: what cannot be used as it was
+    /// asked for is clamped, and MethodTable::set() says so. \param index of the setting.
+    double (*countsAs)(std::span<const double> settings, std::size_t index) = nullptr;
+
     /// Its map is fitted to the view: texels near the eye are finer than those of a plain map of its side, so no bound
     /// in plain texels says how long it may be kept while casters move.
     bool followsView = false;

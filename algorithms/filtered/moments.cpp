@@ -8,6 +8,8 @@
 // Weak at:   light bleeds where casters overlap along a ray, and along contacts.
 #include "algorithms/entries.hpp"
 
+#include <algorithm>
+
 #include "algorithms/filtered/moment_maps.hpp"
 #include "algorithms/filtered/statistics_resolve.hpp"
 #include "algorithms/shared/contact.hpp"
@@ -46,6 +48,15 @@ MomentFilter filterOf(std::span<const double> settings)
     filter.mips = settings[kMips] != 0.0;
     filter.exponent = gpu::momentExponent(filter.kind, filter.bits, static_cast<float>(settings[kExponent]));
     return filter;
+}
+
+/// The exponent, where the kind has one, is clamped to what the format holds.
+double countsAs(std::span<const double> settings, std::size_t index)
+{
+    const MomentFilter filter = filterOf(settings);
+    if (index != kExponent || filter.kind == gpu::MOMENTS_VSM || filter.kind == gpu::MOMENTS_MSM)
+        return settings[index];
+    return std::min(settings[index], double{gpu::mostMomentExponent(filter.kind, filter.bits)});
 }
 
 /// Adds what the shader knows of the filter and of what rounding makes of moments.
@@ -119,6 +130,7 @@ constinit const AlgorithmEntry kMoments{
         },
     .create = makeAlgorithm<Moments>,
     .typicalWrongPercent = 1.3f, // moments.md
+    .countsAs = countsAs,
 };
 
 } // namespace gnomon

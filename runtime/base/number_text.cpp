@@ -24,11 +24,26 @@ std::string fixedText(double value, int decimals)
     return result.ec == std::errc() ? std::string(buffer.data(), result.ptr) : shortestText(value);
 }
 
-std::string shortestText(double value)
+namespace {
+
+template <typename Number>
+std::string shortest(Number value)
 {
     std::array<char, 32> buffer;
     const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
     return std::string(buffer.data(), result.ptr);
+}
+
+} // namespace
+
+std::string shortestText(double value)
+{
+    return shortest(value);
+}
+
+std::string shortestText(float value)
+{
+    return shortest(value);
 }
 
 } // namespace gnomon

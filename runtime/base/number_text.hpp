@@ -14,5 +14,7 @@ std::string fixedText(double value, int decimals);
 
 /// Shortest text that reads back as the same value: "13.5", "0.1", "1e+30", "-inf", "nan".
 std::string shortestText(double value);
+/// The same of a float: "5.54", where its double has more digits.
+std::string shortestText(float value);
 
 } // namespace gnomon

@@ -93,6 +93,7 @@ Result<std::uint32_t> MethodTable::add(std::string_view name, const AlgorithmEnt
     for (const SettingSpec& spec : entry.settings) {
         const double value = spec.byCoverage ? 0.0 : spec.standard;
         method->settings.push_back(value);
+        method->asked.push_back(false);
         method->settingInfos.push_back({spec.name, spec.description, spec.minimum, spec.maximum, value});
     }
     method->noteSettings();
@@ -128,13 +129,30 @@ Result<void> MethodTable::set(std::string_view name, std::string_view setting, d
                              shortestText(spec.minimum) + ", " + shortestText(spec.maximum) + "]" +
                              (spec.byCoverage ? " and not 0" : "")};
         if (method->settings[i] != value) method->setAt = setAt_ = frame;
-        method->settings[i] = value;
-        method->settingInfos[i].value = value;
-        method->noteSettings();
+        change(*method, i, value);
         return {};
     }
     return Error{GN_ERROR_UNKNOWN_METHOD, "UnknownSetting",
                  "method '" + std::string(name) + "' has no setting '" + std::string(setting) + "'"};
+}
+
+void MethodTable::change(Method& method, std::size_t setting, double value) const
+{
+    std::vector<double> before;
+    for (std::size_t i = 0; i < method.settings.size(); ++i)
+        before.push_back(method.counted(i));
+    const bool isNew = !method.asked[setting] || method.settings[setting] != value;
+    method.asked[setting] = true;
+    method.settings[setting] = method.settingInfos[setting].value = value;
+    method.noteSettings();
+    for (std::size_t i = 0; i < method.settings.size(); ++i) {
+        const double used = method.counted(i);
+        const bool changed = used != before[i] || (i == setting && isNew);
+        if (!changed || !method.asked[i] || used == method.settings[i]) continue;
+        messages_.warn("SettingClamped", method.name + "." + method.entry->settings[i].name + " is " +
+                                             shortestText(method.settings[i]) + ", which counts as " +
+                                             shortestText(static_cast<float>(used)) + " beside the other settings");
+    }
 }
 
 Method* MethodTable::find(std::string_view name) const

@@ -32,6 +32,7 @@ struct Method {
     std::unique_ptr<ShadowAlgorithm> algorithm;
     std::uint32_t index = 0;
     std::vector<double> settings; ///< As set: a map's side may be 0, by screen coverage.
+    std::vector<bool> asked;      ///< By setting: set() has set it.
     std::uint64_t setAt = 0;      ///< The newest frame that ran with other ones.
     std::vector<GnSettingInfo> settingInfos;
     const char* unavailable = nullptr; ///< The device cannot run it.
@@ -72,6 +73,11 @@ struct Method {
     }
     /// To be called when `settings` have changed.
     void noteSettings();
+    /// What the setting is used as.
+    double counted(std::size_t setting) const
+    {
+        return entry->countsAs ? entry->countsAs(settings, setting) : settings[setting];
+    }
     bool isExact() const { return has(GN_TRAIT_EXACT_BIT) && !(entry->approximates && entry->approximates(settings)); }
     bool isSoft() const { return has(GN_TRAIT_SOFT_PENUMBRA_BIT) || (entry->softens && entry->softens(settings)); }
 
@@ -130,6 +136,9 @@ public:
     std::uint64_t revision() const { return revision_; }
 
 private:
+    /// Sets it, and says which of the values asked for count as others from now on.
+    void change(Method& method, std::size_t setting, double value) const;
+
     enum class Step : std::uint8_t { done, waits, created };
     Step advance(Method& method); ///< By what one frame may do for it.
 

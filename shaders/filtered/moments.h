@@ -85,12 +85,17 @@ GN_SHARED_FN uint momentChannels(uint kind)
     return kind == MOMENTS_ESM ? 1u : (kind == MOMENTS_EVSM4 || kind == MOMENTS_MSM ? 4u : 2u);
 }
 
-// The exponent that a kind is computed with: squares, or the value itself, have to be finite numbers of the format with
-// room for rounding: e^(2 * 42) = 3.0e36 of 3.4e38, e^(2 * 5.54) = 64800 of 65504.
-GN_SHARED_FN float momentExponent(uint kind, uint bits, float asked)
+// The greatest exponent that a kind is computed with: squares, or the value itself, have to be finite numbers of the
+// format with room for rounding: e^(2 * 42) = 3.0e36 of 3.4e38, e^(2 * 5.54) = 64800 of 65504.
+GN_SHARED_FN float mostMomentExponent(uint kind, uint bits)
 {
     float most = bits == 16u ? 5.54f : 42.0f;
-    return clamp(asked, 1.0f, kind == MOMENTS_ESM ? 2.0f * most : most);
+    return kind == MOMENTS_ESM ? 2.0f * most : most;
+}
+
+GN_SHARED_FN float momentExponent(uint kind, uint bits, float asked)
+{
+    return clamp(asked, 1.0f, mostMomentExponent(kind, bits));
 }
 
 // Four moments of depths in [0, 1] as they are rounded to 16 bits each, and back. The mapping is linear, so that it

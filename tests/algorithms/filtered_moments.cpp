@@ -324,15 +324,54 @@ TEST_CASE("smaller maps lie in an image whose sides are powers of two as the map
     }
 }
 
+namespace {
+
+const AlgorithmEntry& entryOfMoments()
+{
+    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
+        if (std::string_view(algorithm.entry->name) == "moments") return *algorithm.entry;
+    FAIL("it is in every build");
+    return *builtinRegistry().algorithms[0].entry;
+}
+
+std::size_t indexOf(const AlgorithmEntry& entry, std::string_view setting)
+{
+    std::size_t index = 0;
+    while (entry.settings[index].name != setting)
+        REQUIRE(++index < entry.settings.size());
+    return index;
+}
+
+} // namespace
+
+TEST_CASE("the exponent that is said to be in use is computed with, and kinds without one are not spoken of")
+{
+    const AlgorithmEntry& entry = entryOfMoments();
+    const std::size_t exponent = indexOf(entry, "exponent");
+    std::vector<double> settings;
+    for (const SettingSpec& spec : entry.settings)
+        settings.push_back(spec.standard);
+    for (uint kind = 0; kind < MOMENT_KINDS; ++kind)
+        for (const uint bits : {16u, 32u})
+            for (const double asked : {1.0, 5.5, 6.0, 11.0, 12.0, 42.0}) {
+                CAPTURE(kind);
+                CAPTURE(bits);
+                CAPTURE(asked);
+                settings[indexOf(entry, "kind")] = kind;
+                settings[indexOf(entry, "bits")] = bits;
+                settings[exponent] = asked;
+                const bool hasNone = kind == MOMENTS_VSM || kind == MOMENTS_MSM;
+                const float used = momentExponent(kind, bits, static_cast<float>(asked));
+                CHECK(entry.countsAs(settings, exponent) == (hasNone ? asked : double{used}));
+                for (std::size_t i = 0; i < settings.size(); ++i)
+                    if (i != exponent) CHECK(entry.countsAs(settings, i) == settings[i]);
+            }
+}
+
 TEST_CASE("the setting says what the exponent is clamped to, and does not take more than 32 bits hold")
 {
-    const SettingSpec* setting = nullptr;
-    for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms) {
-        if (!algorithm.entry || std::string_view(algorithm.entry->name) != "moments") continue;
-        for (const SettingSpec& spec : algorithm.entry->settings)
-            if (std::string_view(spec.name) == "exponent") setting = &spec;
-    }
-    REQUIRE(setting);
+    const AlgorithmEntry& entry = entryOfMoments();
+    const SettingSpec* setting = &entry.settings[indexOf(entry, "exponent")];
     const std::string_view about = setting->description;
     const auto clamped = [](uint kind, uint bits) {
         char text[16];

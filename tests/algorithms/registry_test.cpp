@@ -79,8 +79,13 @@ TEST_CASE("every algorithm has its files, a source, sound traits, and a page tha
         CHECK((entry->memoryPerLight || entry->bytesPerPixel > 0));
         CHECK((entry->maxRounds == 0 || entry->roundTrips > 0)); // further passes come after host passes
         CHECK(entry->typicalWrongPercent >= 0.0f);
-        for (const SettingSpec& setting : entry->settings) {
+        std::vector<double> defaults;
+        for (const SettingSpec& setting : entry->settings)
+            defaults.push_back(setting.standard);
+        for (std::size_t i = 0; i < defaults.size(); ++i) {
+            const SettingSpec& setting = entry->settings[i];
             CAPTURE(std::string(setting.name));
+            if (entry->countsAs) CHECK(entry->countsAs(defaults, i) == setting.standard);
             CHECK(page.find("`" + std::string(setting.name) + "`") != std::string::npos);
             CHECK(std::string_view(setting.description).size() > 10);
             CHECK(setting.minimum <= setting.standard);

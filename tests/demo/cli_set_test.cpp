@@ -107,4 +107,20 @@ rules:
     CHECK(mapSides(folder.path) == std::set<std::string>{"512"});
 }
 
+TEST_CASE("a value that counts as less is said by every command")
+{
+    const Folder folder("set_clamped");
+    const std::string before = "cd '" + folder.path.string() + "' &&";
+    for (const char* command :
+         {"contact torus_grid --methods moments ", "bench torus_grid --methods moments --repeat 3 ",
+          "run torus_grid --method moments --frames 1 "}) {
+        const Ran ran = gnomonProgram(command + std::string("--size 64x36 --set exponent=20,bits=16"), before);
+        CHECK_MESSAGE(ran.exitCode == 0, ran.output);
+        const std::string words = "moments.exponent is 20, which counts as 5.54 beside the other settings";
+        const size_t first = ran.output.find(words);
+        CHECK_MESSAGE(first != std::string::npos, ran.output);
+        CHECK_MESSAGE(ran.output.find(words, first + 1) == std::string::npos, ran.output);
+    }
+}
+
 } // namespace gnomon::demo
