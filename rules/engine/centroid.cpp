@@ -142,7 +142,7 @@ Centroid CentroidTerms::exact(std::span<const double> strengths) const noexcept
     }
     for (std::size_t i = 0; i < overlaps_.size(); ++i) {
         const Cut& cut = overlaps_[i];
-        const double s = std::min({strengths[i], strengths[i + 1], cut.height});
+        const double s = std::min(std::min(strengths[i], strengths[i + 1]), cut.height);
         area -= s * (cut.area1 + s * cut.area2);
         moment -= s * (cut.moment1 + s * (cut.moment2 + s * cut.moment3));
     }

@@ -92,7 +92,8 @@ void Engine::evaluate(std::span<const double> facts, Inference& out) const noexc
     std::copy(facts.begin(), facts.end(), out.facts.begin());
     std::fill(out.outputs.begin(), out.outputs.end(), OutputState{});
     std::fill(out.termStrength.begin(), out.termStrength.end(), 0.0);
-    std::fill(out.termSum.begin(), out.termSum.end(), uint64_t(0));
+    if (base_.options.aggregation == Options::Aggregation::Sum)
+        std::fill(out.termSum.begin(), out.termSum.end(), uint64_t(0));
     fuzzify(facts, out);
     fire(out);
     defuzzify(out);

@@ -1,5 +1,6 @@
 #pragma once
 // A set of methods, by index.
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -22,11 +23,30 @@ public:
         for (const std::uint32_t method : methods)
             add(method);
     }
+    /// All below `count`.
+    static constexpr MethodSet below(std::uint32_t count)
+    {
+        MethodSet set;
+        for (std::uint32_t first = 0; first < count; first += 64)
+            set.words_[first / 64] = ~std::uint64_t{0} >> (64 - std::min(count - first, 64u));
+        return set;
+    }
+    /// Those below `count` that `is` holds for.
+    template <typename Is>
+    static constexpr MethodSet where(std::uint32_t count, Is&& is)
+    {
+        MethodSet set;
+        for (std::uint32_t first = 0; first < count; first += 64) {
+            std::uint64_t word = 0; // not in memory: each bit would wait for the one before
+            for (std::uint32_t method = std::min(first + 64, count); method-- > first;)
+                word = word << 1 | static_cast<std::uint64_t>(is(method));
+            set.words_[first / 64] = word;
+        }
+        return set;
+    }
 
     constexpr bool has(std::uint32_t method) const { return (words_[method / 64] >> method % 64 & 1) != 0; }
     constexpr void add(std::uint32_t method) { words_[method / 64] |= std::uint64_t{1} << method % 64; }
-    /// Adds what `is`.
-    constexpr void addIf(std::uint32_t method, bool is) { words_[method / 64] |= std::uint64_t{is} << method % 64; }
     constexpr void remove(std::uint32_t method) { words_[method / 64] &= ~(std::uint64_t{1} << method % 64); }
     constexpr std::uint32_t count() const
     {
@@ -64,28 +84,29 @@ public:
     /// In ascending order; of the set as it was at begin().
     class Iterator {
     public:
-        constexpr explicit Iterator(const Words& words) : rest_(words) { skip(); }
+        constexpr explicit Iterator(const Words& words) : words_(words), rest_(words[0]) { skip(); }
         constexpr std::uint32_t operator*() const
         {
-            return word_ * 64 + static_cast<std::uint32_t>(std::countr_zero(rest_[word_]));
+            return first_ + static_cast<std::uint32_t>(std::countr_zero(rest_));
         }
         constexpr Iterator& operator++()
         {
-            rest_[word_] &= rest_[word_] - 1;
+            rest_ &= rest_ - 1;
             skip();
             return *this;
         }
-        constexpr bool operator==(std::default_sentinel_t) const { return word_ == kWords; }
+        constexpr bool operator==(std::default_sentinel_t) const { return rest_ == 0; }
 
     private:
         constexpr void skip()
         {
-            while (word_ < kWords && rest_[word_] == 0)
-                ++word_;
+            for (; rest_ == 0 && first_ + 64 < kMaxMethods; rest_ = words_[first_ / 64])
+                first_ += 64;
         }
 
-        Words rest_;
-        std::uint32_t word_ = 0;
+        Words words_;
+        std::uint64_t rest_;      ///< Of the word at hand.
+        std::uint32_t first_ = 0; ///< Of its methods.
     };
     constexpr Iterator begin() const { return Iterator(words_); }
     constexpr std::default_sentinel_t end() const { return {}; }

@@ -25,7 +25,6 @@ void PlanStep::reserve(uint32_t lights, uint32_t methods)
     if (cells > orders_.size()) orderedMethods_ = 0;
     grow(orders_, cells);
     grow(allowed_, lights);
-    grow(familiar_, lights);
     grow(current_, lights);
     grow(target_, lights);
     grow(saved_, lights);

@@ -184,10 +184,7 @@ public:
     PlanReport step(const PlanInput& input) noexcept;
 
     std::span<const LightPlan> lights() const noexcept { return std::span(plans_).first(lightCount_); }
-    std::span<const Why> why(uint32_t light) const noexcept
-    {
-        return std::span(why_).subspan(size_t{light} * methods_, methods_);
-    }
+    std::span<const Why> why(uint32_t light) const noexcept { return std::span(why_).subspan(at(light, 0), methods_); }
 
     /// Of the newest step: whether pins, vetoes and floor leave the light this method, and importance * utility().
     bool mayServe(uint32_t light, uint32_t method) const noexcept { return allowed_[light].has(method); }
@@ -200,16 +197,16 @@ public:
 private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
-    void applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept;
+    void applyFloor(uint32_t light, float minimum) noexcept;
     void offerAll(const PlanInput& input) noexcept;
     bool gateTrials(const PlanInput& input) noexcept;
     double waitForTrials(const PlanInput& input, double headroom, double limitMs, bool over,
                          PlanReport& report) noexcept;
+    bool isFamiliar(uint32_t light, uint32_t method) const noexcept { return candidates_[at(light, method)].familiar; }
     bool waitsWith(uint32_t light, uint32_t method) const noexcept;
-    bool isWorthKeeping(const PlanInput& input, uint32_t light) const noexcept;
-    bool isBeaten(uint32_t light, uint32_t method, uint32_t own) const noexcept;
+    bool isWorthKeeping(uint32_t light) const noexcept;
     void offer(const PlanInput& input, uint32_t light) noexcept;
-    double changedMs(const PlanInput& input, uint32_t light, uint32_t method) const noexcept;
+    double changedMs(uint32_t light, uint32_t method) const noexcept;
     bool isFresh(const PlanInput& input) const noexcept { return input.cut || !started_; }
 
     void planWithinBudget(const PlanInput& input, PlanReport& report) noexcept;
@@ -234,11 +231,17 @@ private:
     void move(uint32_t light, uint32_t to) noexcept;
     void countUsers() noexcept;
     size_t at(uint32_t light, uint32_t method) const noexcept { return size_t{light} * methods_ + method; }
+    /// Of lights x methods, those of a light.
+    auto methodsOf(auto& cells, uint32_t light) const noexcept
+    {
+        return std::span(cells).subspan(at(light, 0), methods_);
+    }
 
     Greedy greedy_;
-    std::span<const SharedPart> parts_;
+    std::span<const Candidate> candidates_;         ///< Of the step's input, as
+    std::span<const SharedPart> parts_;             ///< these.
     std::vector<double> values_, worths_, costsMs_; ///< lights x methods; worth is value with hysteresis.
-    std::vector<MethodSet> allowed_, familiar_;     ///< By light.
+    std::vector<MethodSet> allowed_;                ///< By light.
     std::vector<uint32_t> current_, target_, saved_;
     std::vector<uint8_t> orders_; ///< lights x methods, of sharedUtilities().
     std::vector<LightPlan> plans_;

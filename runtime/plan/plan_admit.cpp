@@ -17,45 +17,55 @@ float qualityOf(const Candidate& candidate) noexcept
     return std::isfinite(candidate.quality) ? std::clamp(candidate.quality, 0.0f, 1.0f) : 0.0f;
 }
 
+bool isTimeKnown(const Candidate& candidate) noexcept
+{
+    return (candidate.ms >= 0.0) & (candidate.ms <= std::numeric_limits<double>::max());
+}
+
 } // namespace
 
 /// Capability, pin, never, opinion: which methods a light may have before quality is looked at.
 void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
 {
     const LightRequest& request = input.lights[light];
-    const std::span candidates = input.candidates.subspan(at(light, 0), methods_);
-    const uint32_t incumbent = request.memory->incumbent;
-    const bool holds = incumbent < methods_ && !isFresh(input);
-    MethodSet able, vetoed, spoken, familiar;
-    for (uint32_t m = 0; m < methods_; ++m) {
+    const std::span candidates = methodsOf(candidates_, light);
+    const std::span costsMs = methodsOf(costsMs_, light);
+    const std::span terms = std::span(terms_).first(methods_);
+    for (size_t m = 0; m < candidates.size(); ++m) {
         const Candidate& candidate = candidates[m];
-        const bool known = candidate.ms >= 0.0 && candidate.ms <= std::numeric_limits<double>::max();
-        terms_[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
-        // Where nothing holds, nothing spreads first frames over many: this one pays them.
-        const double firstMs = holds || m == incumbent ? 0.0 : candidate.firstFrameMs;
-        costsMs_[at(light, m)] = known ? candidate.ms + firstMs : 0.0;
-        able.addIf(m, known && candidate.eligibility != Eligibility::trait);
-        vetoed.addIf(m, candidate.eligibility == Eligibility::never);
-        spoken.addIf(m, candidate.suitability >= 0);
-        familiar.addIf(m, candidate.familiar);
+        terms[m] = {candidate.suitability, qualityOf(candidate), candidate.eligibility == Eligibility::eligible};
+        costsMs[m] = candidate.ms;
     }
-    familiar_[light] = familiar;
-    const std::span all = std::span<const UtilityTerms>(terms_).first(methods_);
-    const std::span values = std::span(values_).subspan(at(light, 0), methods_);
-    sharedUtilities(all, std::span(orders_).subspan(at(light, 0), methods_), values);
+    // Where nothing holds, nothing spreads first frames over many: this one pays them.
+    const uint32_t incumbent = request.memory->incumbent;
+    for (size_t m = 0; (incumbent >= methods_ || isFresh(input)) && m < candidates.size(); ++m)
+        if (m != incumbent) costsMs[m] += candidates[m].firstFrameMs;
+    const std::span values = methodsOf(values_, light);
+    sharedUtilities(terms, methodsOf(orders_, light), values);
     for (double& value : values)
         value *= request.importance;
 
-    const bool pinned = request.pinned < methods_ && able.has(request.pinned);
-    MethodSet allowed = able - vetoed;
-    if (allowed.meets(spoken)) allowed &= spoken; // where nobody has an opinion, all are equally unloved
+    const auto isAble = [&](uint32_t m) {
+        return isTimeKnown(candidates[m]) && candidates[m].eligibility != Eligibility::trait;
+    };
+    const bool pinned = request.pinned < methods_ && isAble(request.pinned);
+    const auto eligible = [&](int32_t leastSuitability) {
+        return MethodSet::where(methods_, [&](uint32_t m) {
+            return isTimeKnown(candidates[m]) & (candidates[m].eligibility == Eligibility::eligible) &
+                   (candidates[m].suitability >= leastSuitability);
+        });
+    };
+    MethodSet allowed = eligible(0);
+    // Where nobody has an opinion, all are equally unloved.
+    if (allowed.empty()) allowed = eligible(std::numeric_limits<int32_t>::min());
     if (pinned) allowed = MethodSet{request.pinned};
-    for (uint32_t m = 0; m < methods_; ++m)
-        why_[at(light, m)] = allowed.has(m)  ? Why::outscored
-                             : !able.has(m)  ? Why::trait
-                             : pinned        ? Why::pinned
-                             : vetoed.has(m) ? Why::never
-                                             : Why::noOpinion;
+    const std::span why = methodsOf(why_, light);
+    std::fill(why.begin(), why.end(), Why::outscored);
+    for (const uint32_t m : MethodSet::below(methods_) - allowed)
+        why[m] = !isAble(m)                                        ? Why::trait
+                 : pinned                                          ? Why::pinned
+                 : candidates[m].eligibility == Eligibility::never ? Why::never
+                                                                   : Why::noOpinion;
     allowed_[light] = allowed;
     if (pinned) return;
     LightMemory& memory = *request.memory;
@@ -65,14 +75,14 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
         memory.nearQuality = request.minimumQuality;
     }
     // A condition that hovers about its threshold would change the method with every crossing.
-    if (request.floor || input.frame < memory.nearUntil) applyFloor(input, light, memory.nearQuality);
+    if (request.floor || input.frame < memory.nearUntil) applyFloor(light, memory.nearQuality);
 }
 
 /// Lights that are near, or were a moment ago, get nothing below the floor. Where nothing reaches it, the best there
 /// is, and the plan says so.
-void PlanStep::applyFloor(const PlanInput& input, uint32_t light, float minimum) noexcept
+void PlanStep::applyFloor(uint32_t light, float minimum) noexcept
 {
-    const auto quality = [&](uint32_t m) { return qualityOf(input.candidates[at(light, m)]); };
+    const auto quality = [&](uint32_t m) { return qualityOf(candidates_[at(light, m)]); };
     const MethodSet within = withinFloor(allowed_[light], minimum, quality);
     plans_[light].floor = true;
     plans_[light].floorUnmet = !within.empty() && quality(*within.begin()) < minimum;
@@ -90,6 +100,7 @@ void PlanStep::admit(const PlanInput& input) noexcept
             orders_[cell] = static_cast<uint8_t>(cell % methods_);
         orderedMethods_ = methods_;
     }
+    candidates_ = input.candidates;
     parts_ = input.parts;
     assert(methods_ <= kMaxMethods && lightCount_ <= plans_.size() && parts_.size() <= kMaxParts);
     greedy_.begin(methods_, parts_);
@@ -115,17 +126,20 @@ void PlanStep::offerAll(const PlanInput& input) noexcept
 bool PlanStep::gateTrials(const PlanInput& input) noexcept
 {
     const auto isServed = [&](uint32_t light) {
-        return current_[light] != kNone || allowed_[light].meets(familiar_[light]);
+        if (current_[light] != kNone) return true;
+        for (const uint32_t m : allowed_[light])
+            if (isFamiliar(light, m)) return true;
+        return false;
     };
     const auto enters = [&](uint32_t light) {
         const uint32_t to = target_[light];
-        return to != kNone && to != current_[light] && !familiar_[light].has(to) && isServed(light);
+        return to != kNone && to != current_[light] && !isFamiliar(light, to) && isServed(light);
     };
     uint32_t entering = 0, settled = 0, running = kNone, best = kNone;
     double most = -1.0;
     for (uint32_t light = 0; light < lightCount_; ++light) {
         const uint32_t own = current_[light];
-        const bool isNew = own != kNone && !familiar_[light].has(own) &&
+        const bool isNew = own != kNone && !isFamiliar(light, own) &&
                            input.frame - input.lights[light].memory->switchedAt < kTrialFrames;
         if (isNew && running == kNone) running = light;
         if (!enters(light)) continue;
@@ -149,12 +163,12 @@ bool PlanStep::gateTrials(const PlanInput& input) noexcept
 /// Whether no light was timed with the method, and this light is not the one to try it.
 bool PlanStep::waitsWith(uint32_t light, uint32_t method) const noexcept
 {
-    return plans_[light].waits && method != current_[light] && !familiar_[light].has(method);
+    return plans_[light].waits && method != current_[light] && !isFamiliar(light, method);
 }
 
 /// Whether nothing is worth as much for clearly less, first frame included. Of the parts that it shares with others the
 /// light pays as much as they: so they may leave them together, where alone none saves them.
-bool PlanStep::isWorthKeeping(const PlanInput& input, uint32_t light) const noexcept
+bool PlanStep::isWorthKeeping(uint32_t light) const noexcept
 {
     const uint32_t own = current_[light];
     double ownMs = costsMs_[at(light, own)];
@@ -162,10 +176,12 @@ bool PlanStep::isWorthKeeping(const PlanInput& input, uint32_t light) const noex
         const auto part = static_cast<size_t>(std::countr_zero(rest));
         ownMs += parts_[part].ms / users_[part];
     }
+    const std::span candidates = methodsOf(candidates_, light);
+    const std::span values = methodsOf(values_, light);
     for (const uint32_t m : allowed_[light]) {
-        const Candidate& candidate = input.candidates[at(light, m)];
-        if (m != own && !waitsWith(light, m) && values_[at(light, m)] >= values_[at(light, own)] &&
-            changePriceMs(candidate.ms + sharedMs(light, m), candidate.firstFrameMs) < ownMs / (1.0 + kClearlyLess) &&
+        if (!(values[m] >= values[own]) || m == own || waitsWith(light, m)) continue;
+        const Candidate& candidate = candidates[m];
+        if (changePriceMs(candidate.ms + sharedMs(light, m), candidate.firstFrameMs) < ownMs / (1.0 + kClearlyLess) &&
             isPriceKnown(candidate.ms, candidate.sigmaMs))
             return false;
     }
@@ -173,18 +189,10 @@ bool PlanStep::isWorthKeeping(const PlanInput& input, uint32_t light) const noex
 }
 
 /// What there must be room for where another method is to serve: Option::price.
-double PlanStep::changedMs(const PlanInput& input, uint32_t light, uint32_t method) const noexcept
+double PlanStep::changedMs(uint32_t light, uint32_t method) const noexcept
 {
-    const size_t cell = at(light, method);
-    const Candidate& candidate = input.candidates[cell];
-    return roomForChangeMs(costsMs_[cell], candidate.likelyMs, candidate.firstFrameMs);
-}
-
-/// Whether `method` can never be better than `own`, which has been offered: neither cheaper nor worth more.
-bool PlanStep::isBeaten(uint32_t light, uint32_t method, uint32_t own) const noexcept
-{
-    return costsMs_[at(light, method)] >= costsMs_[at(light, own)] &&
-           values_[at(light, method)] <= worths_[at(light, own)] && !(greedy_.partsOf(own) & ~greedy_.partsOf(method));
+    const Candidate& candidate = candidates_[at(light, method)];
+    return roomForChangeMs(candidate.ms, candidate.likelyMs, candidate.firstFrameMs);
 }
 
 /// What the search may give a light. Hysteresis is here: the incumbent counts for more by the plan gain, another method
@@ -194,7 +202,7 @@ void PlanStep::offer(const PlanInput& input, uint32_t light) noexcept
     const bool settled = current_[light] != kNone && !isFresh(input);
     const LightMemory& memory = *input.lights[light].memory;
     const uint32_t banned = settled && input.frame < memory.bannedUntil ? memory.previous : kNone;
-    const bool keeps = settled && isWorthKeeping(input, light);
+    const bool keeps = settled && isWorthKeeping(light);
     const rules::Policy::Hysteresis& hysteresis = input.inForce().hysteresis;
     // The longer the incumbent has served, the less it must be surpassed by: what a change gains grows with its stay.
     const double window = std::max(hysteresis.flipWindowFrames, 1u);
@@ -202,21 +210,25 @@ void PlanStep::offer(const PlanInput& input, uint32_t light) noexcept
     const double threshold = keeps ? hysteresis.planGain * window / std::max(served, window) : 0.0;
     plans_[light].threshold = threshold;
     greedy_.addLight();
-    const uint32_t own = settled ? current_[light] : kNone;
+    const std::span costsMs = methodsOf(costsMs_, light), values = methodsOf(values_, light);
+    const std::span worths = methodsOf(worths_, light);
     const auto offerAt = [&](uint32_t m, double price, double worth, bool isBanned) {
-        worths_[at(light, m)] = worth;
-        greedy_.add({.ms = costsMs_[at(light, m)],
-                     .price = price,
-                     .worth = worth,
-                     .method = static_cast<uint16_t>(m),
-                     .banned = isBanned});
+        worths[m] = worth;
+        greedy_.add(
+            {.ms = costsMs[m], .price = price, .worth = worth, .method = static_cast<uint16_t>(m), .banned = isBanned});
     };
-    if (settled) offerAt(own, costsMs_[at(light, own)], (1.0 + threshold) * values_[at(light, own)], false);
+    const uint32_t own = settled ? current_[light] : kNone;
+    const double ownMs = settled ? costsMs[own] : 0.0, ownWorth = settled ? (1.0 + threshold) * values[own] : 0.0;
+    const uint32_t ownParts = settled ? greedy_.partsOf(own) : 0;
+    // Neither cheaper than what serves nor worth more.
+    const auto isBeaten = [&](uint32_t m) {
+        return costsMs[m] >= ownMs && values[m] <= ownWorth && !(ownParts & ~greedy_.partsOf(m));
+    };
+    if (settled) offerAt(own, ownMs, ownWorth, false);
     for (const uint32_t m : allowed_[light]) {
-        const size_t cell = at(light, m);
-        if (m == own || (settled && isBeaten(light, m, own))) continue;
+        if ((settled && isBeaten(m)) || m == own) continue;
         const bool isBanned = m == banned || waitsWith(light, m);
-        offerAt(m, settled ? changedMs(input, light, m) : costsMs_[cell], isBanned ? 0.0 : values_[cell], isBanned);
+        offerAt(m, settled ? changedMs(light, m) : costsMs[m], isBanned ? 0.0 : values[m], isBanned);
     }
 }
 

@@ -38,29 +38,27 @@ void PlanStep::explainLight(const PlanInput& input, uint32_t light, const PlanRe
 {
     LightPlan& plan = plans_[light];
     if (plan.chosen == kNone) return;
-    const int32_t suitability = input.candidates[at(light, plan.chosen)].suitability;
+    const std::span candidates = methodsOf(candidates_, light);
+    const std::span values = methodsOf(values_, light), costsMs = methodsOf(costsMs_, light);
+    const std::span why = methodsOf(why_, light);
+    const int32_t suitability = candidates[plan.chosen].suitability;
     uint32_t held = kNone;
     for (const uint32_t m : allowed_[light]) {
-        Why& why = why_[at(light, m)];
-        const double value = values_[at(light, m)];
-        if (m == plan.chosen) {
-            why = Why::chosen;
-        } else if (value <= plan.benefit) {
-            const bool dearer =
-                input.candidates[at(light, m)].suitability > suitability && costsMs_[at(light, m)] > plan.ms;
-            why = dearer ? Why::price : Why::outscored;
+        if (values[m] <= plan.benefit) { // outscored, as admitted
+            if (costsMs[m] > plan.ms && candidates[m].suitability > suitability) why[m] = Why::price;
         } else if (m != plan.wanted && report.predictedMs + moveMs(light, m) > report.usableMs) {
-            why = Why::budget;
+            why[m] = Why::budget;
         } else {
-            why = Why::hysteresis;
-            if (held == kNone || value > values_[at(light, held)]) held = m;
+            why[m] = Why::hysteresis;
+            if (held == kNone || values[m] > values[held]) held = m;
         }
     }
+    why[plan.chosen] = Why::chosen;
     if (held == kNone || plan.onTrial)
         plan.hold = Hold::none;
     else if (plan.hold == Hold::none || values_[at(light, plan.wanted)] <= plan.benefit) {
         const LightMemory& memory = *input.lights[light].memory;
-        const double marginMs = changedMs(input, light, held) - costsMs_[at(light, held)];
+        const double marginMs = changedMs(light, held) - costsMs_[at(light, held)];
         const bool banned = held == memory.previous && input.frame < memory.bannedUntil;
         const bool fits = report.predictedMs + moveMs(light, held) + marginMs <= report.usableMs;
         plan.hold = banned ? Hold::ban : waitsWith(light, held) ? Hold::trial : fits ? Hold::threshold : Hold::margin;

@@ -31,11 +31,12 @@ void PlanStep::tryDear(const PlanInput& input, PlanReport& report) noexcept
     for (uint32_t light = 0; light < lightCount_; ++light) {
         const LightMemory& memory = *input.lights[light].memory;
         const uint32_t own = current_[light];
-        if (own == kNone || own != memory.incumbent || !familiar_[light].has(own)) continue;
+        if (own == kNone || own != memory.incumbent || !isFamiliar(light, own)) continue;
         const double ownMs = costsMs_[at(light, own)];
         double luckMs = 0.0;
-        for (const uint32_t m : allowed_[light] - familiar_[light]) {
+        for (const uint32_t m : allowed_[light]) {
             const Candidate& candidate = input.candidates[at(light, m)];
+            if (candidate.familiar) continue;
             const Guess guess(candidate);
             luckMs = std::max(luckMs, ownMs - std::max(guess.ms - probing.sigma * guess.sigmaMs, 0.0));
             const double needed = guess.sigmasToWin(ownMs);

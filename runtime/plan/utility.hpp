@@ -1,8 +1,10 @@
 #pragma once
 // What a method is worth to a light, time apart.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 #include "rules/engine/engine.hpp" // kSuitabilitySteps
@@ -96,25 +98,35 @@ inline double utility(const UtilityTerms& terms) noexcept
 inline void sharedUtilities(std::span<const UtilityTerms> terms, std::span<std::uint8_t> order,
                             std::span<double> utilities) noexcept
 {
-    for (std::size_t i = 1; i < order.size(); ++i) {
+    std::array<std::int32_t, kMaxMethods> suitabilities; // as `order`, like all three
+    std::array<float, kMaxMethods> qualities, asked;     // quality that shows as much; infinite of what does not lend
+    for (std::size_t i = 0; i < order.size(); ++i) {
         const std::uint8_t method = order[i];
         std::size_t place = i;
-        for (; place > 0 && isBetterSuited(terms[method], terms[order[place - 1]]); --place)
+        for (; place > 0; --place) {
+            const UtilityTerms before{suitabilities[place - 1], qualities[place - 1]};
+            if (!isBetterSuited(terms[method], before)) break;
             order[place] = order[place - 1];
+            suitabilities[place] = before.suitability, qualities[place] = before.quality;
+        }
         order[place] = method;
+        suitabilities[place] = terms[method].suitability, qualities[place] = terms[method].quality;
     }
     std::size_t first = 0; // of those that the one at hand is not avoided beside
-    for (const std::uint8_t method : order) {
-        UtilityTerms lender = terms[method];
-        lender.suitability = std::max(lender.suitability, 0);
-        while (first < order.size() && kLikedAtMost * lender.suitability < terms[order[first]].suitability)
-            ++first;
-        for (std::size_t i = first; i < order.size() && isBetterSuited(terms[order[i]], lender); ++i)
-            if (terms[order[i]].eligible && showsAsMuch(terms[method], terms[order[i]])) {
-                lender = terms[order[i]];
-                break;
-            }
-        utilities[method] = utility(lentTerms(terms[method], lender));
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const std::uint8_t method = order[i];
+        const float quality = qualities[i];
+        std::size_t lender = i;
+        if (suitabilities[i] >= 0) { // what nobody speaks of is liked less than all that lend
+            while (kLikedAtMost * suitabilities[i] < suitabilities[first])
+                ++first;
+            asked[i] = -std::numeric_limits<float>::infinity(); // at the latest its own
+            for (lender = first; quality < asked[lender];)
+                ++lender;
+        }
+        asked[i] = terms[method].eligible ? quality - kSameQuality : std::numeric_limits<float>::infinity();
+        const UtilityTerms own{std::max(suitabilities[i], 0), quality};
+        utilities[method] = utility(lentTerms(own, {std::max(suitabilities[lender], 0), qualities[lender]}));
     }
 }
 
