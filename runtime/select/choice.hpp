@@ -41,8 +41,8 @@ Choice chooseBySuitability(std::span<const Candidate> candidates, const ChoiceIn
 /// without an incumbent once the methods of the entries before are excluded. In the last one nothing can serve.
 std::vector<Choice> replacementsInOrder(std::span<const Candidate> candidates, const ChoiceInput& input);
 
-/// Share by which a method must be cheaper to be taken for its price. A prediction's own noise (cost::kStartNoise, 8 %)
-/// alone changes nothing.
+/// Share by which a method must be cheaper to be taken for its price. A prediction's own noise (8 %) alone changes
+/// nothing.
 inline constexpr float kPriceMargin = 0.1f;
 
 /// What a frame with a method takes, ms: Candidate::sureMs with its part of what the view's lights share, and where it
