@@ -244,6 +244,11 @@ void printRow(const BenchRow& row)
     if (!row.aliasing.empty())
         std::printf("    aliasing: a texel is %.3f pixels wide in the median, 95 %% are below %.3f\n",
                     quantile(row.aliasing, 0.5), quantile(row.aliasing, 0.95));
+    if (const PairTimes& t = row.times; t.pagesEvicted + t.pagesWithoutRoom > 0) {
+        const double frames = double(t.withMs.size());
+        std::printf("    pages: %.1f evicted a frame, %.1f without room\n", double(t.pagesEvicted) / frames,
+                    double(t.pagesWithoutRoom) / frames);
+    }
     for (const PassTime& pass : row.passes)
         std::printf("    %-32s x%-3u GPU %8.3f ms  CPU %8.3f ms\n", pass.name.c_str(), pass.count, pass.gpuMs,
                     pass.cpuMs);

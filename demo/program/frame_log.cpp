@@ -95,14 +95,14 @@ void FrameLog::finish(double frameMs)
 CsvWriter FrameLog::framesTable() const
 {
     CsvWriter table({"frame", "time_s", "frame_ms", "fps", "shadow_gpu_ms", "shadow_cpu_ms", "decide_us", "lights",
-                     "switches", "budget_ms", "over_budget"});
+                     "switches", "budget_ms", "over_budget", "pages_evicted", "pages_without_room"});
     for (size_t i = 0; i < frameMs_.size(); ++i) {
         const FrameRow& row = rows_[i];
         const double ms = frameMs_[i];
         table.cell(row.frame).cell(row.timeSeconds, 4).cell(ms, 3).cell(ms > 0.0 ? 1000.0 / ms : 0.0, 2);
         table.cell(double(row.stats.gpuMs), 3).cell(double(row.stats.cpuMs), 3).cell(double(row.stats.decideUs), 1);
         table.cell(row.lights).cell(row.stats.switches).cell(double(row.stats.budgetMs), 4);
-        table.cell(overBudget(row)).endRow();
+        table.cell(overBudget(row)).cell(row.stats.pagesEvicted).cell(row.stats.pagesWithoutRoom).endRow();
     }
     return table;
 }
@@ -142,6 +142,8 @@ FrameLog::Summary FrameLog::summary() const
     for (const FrameRow& row : rows_) {
         out.switches += row.stats.switches;
         out.overBudget += overBudget(row);
+        out.pagesEvicted += row.stats.pagesEvicted;
+        out.pagesWithoutRoom += row.stats.pagesWithoutRoom;
         out.shadowCpuMs += double(row.stats.cpuMs) / double(rows_.size());
     }
     std::vector<double> sorted = frameMs_;
@@ -182,6 +184,10 @@ std::string FrameLog::summaryText() const
     }
     line("switches            ", double(s.switches), 0, "");
     line("over-budget frames  ", s.overBudget, 0, budgetSet_ ? "" : " (no budget set)");
+    if (s.pagesEvicted + s.pagesWithoutRoom > 0) {
+        line("pages evicted       ", double(s.pagesEvicted), 0, "");
+        line("pages without room  ", double(s.pagesWithoutRoom) / s.frames, 1, " a frame, coarser ones in their place");
+    }
     return out;
 }
 

@@ -43,6 +43,7 @@ public:
         double shadowCpuMs = 0.0;      ///< Mean per frame.
         uint64_t switches = 0;
         uint32_t overBudget = 0;
+        uint64_t pagesEvicted = 0, pagesWithoutRoom = 0;
         std::map<std::string, uint64_t> lightFrames; ///< By method.
     };
     Summary summary() const;

@@ -189,6 +189,8 @@ PairTimes timePairs(Session& session, uint32_t pairs, bool recorded, OtherShadow
         times.gpuMs.push_back(double(stats.gpuMs));
         times.cpuMs.push_back(double(stats.cpuMs));
         times.raysMs.push_back(double(stats.raysMs));
+        times.pagesEvicted += stats.pagesEvicted;
+        times.pagesWithoutRoom += stats.pagesWithoutRoom;
         if (const auto light = other ? std::nullopt : unpinnedLight(session)) {
             ++times.unpinned;
             times.unpinnedLight = *light;

@@ -65,11 +65,12 @@ void settle(Session& session, const std::string& method, double time, bool recor
 void noteLeftOut(const std::string& scene, const std::string& method, const HostError& error);
 
 struct PairTimes {
-    std::vector<double> withMs, withoutMs; ///< Wall time of each frame of the interleaved pairs.
-    std::vector<double> gpuMs, cpuMs;      ///< As gnomon reports them.
-    std::vector<double> raysMs;            ///< Inside the ray tracer, all threads.
-    uint32_t unpinned = 0;                 ///< Frames in which a light was served by another method than its own.
-    uint32_t unpinnedLight = 0;            ///< One of them, in the newest such frame.
+    std::vector<double> withMs, withoutMs;           ///< Wall time of each frame of the interleaved pairs.
+    std::vector<double> gpuMs, cpuMs;                ///< As gnomon reports them.
+    std::vector<double> raysMs;                      ///< Inside the ray tracer, all threads.
+    uint64_t pagesEvicted = 0, pagesWithoutRoom = 0; ///< Of all frames.
+    uint32_t unpinned = 0;      ///< Frames in which a light was served by another method than its own.
+    uint32_t unpinnedLight = 0; ///< One of them, in the newest such frame.
     uint64_t unpinnedFrame = 0;
 };
 

@@ -61,7 +61,7 @@ GN_SIZED_STRUCT(GnCandidate, pMethod, sharedMs)
 GN_SIZED_STRUCT(GnPassTiming, pName, shared)
 GN_SIZED_STRUCT(GnLightTiming, pMethod, resolveCpuMs)
 GN_SIZED_STRUCT(GnLightWorkload, frame, softPixels)
-GN_SIZED_STRUCT(GnFrameStats, frame, raysMs)
+GN_SIZED_STRUCT(GnFrameStats, frame, pagesWithoutRoom)
 // Given to callbacks.
 GN_SIZED_STRUCT(GnMessage, pText, pText)
 GN_SIZED_STRUCT(GnMemoryRequest, mapped, mapped)

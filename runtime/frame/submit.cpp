@@ -97,7 +97,9 @@ void countFrame(GnFrameStats& stats, const CountersBefore& before, const CountPa
     stats.submits = counters.submits;
     stats.hostWaits = counters.hostWaits;
     stats.passesRun = counters.passesRun;
-    stats.passesKept = parts.graph.keptPasses();
+    stats.passesKept = parts.graph.counts().kept;
+    stats.pagesEvicted = parts.graph.counts().pagesEvicted;
+    stats.pagesWithoutRoom = parts.graph.counts().pagesWithoutRoom;
     stats.indexListsBuilt = counters.indexListsBuilt;
     stats.rays = counters.rays;
     if (parts.rays) stats.raysMs = 1e-6f * static_cast<float>(now.rayNanoseconds - before.rayNanoseconds);

@@ -395,7 +395,12 @@ std::uint64_t PassBuilder::completedFrame() const
 
 void PassBuilder::kept(std::uint32_t count)
 {
-    graph_.taskKept_ += count;
+    graph_.taskCounts_.kept += count;
+}
+
+void PassBuilder::pages(std::uint32_t evicted, std::uint32_t withoutRoom)
+{
+    graph_.taskCounts_ += {.pagesEvicted = evicted, .pagesWithoutRoom = withoutRoom};
 }
 
 void PassBuilder::fail(const Error& error)

@@ -268,6 +268,9 @@ public:
 
     /// Counts `count` update passes that were not declared because their result was kept.
     void kept(std::uint32_t count = 1);
+    /// Counts pages of maps in a pool of fixed size. @param evicted made way for others @param withoutRoom were asked
+    /// for, and coarser ones answer for them
+    void pages(std::uint32_t evicted, std::uint32_t withoutRoom);
 
     // Shared view-scope resources, made at most once per view and frame, on first use. Readback, with a place for every
     // pixel of the image, row by row; those of the view's area are copied, the rest is undefined.

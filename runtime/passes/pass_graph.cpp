@@ -166,7 +166,7 @@ void PassGraph::reset()
     tableUsed_ = 0;
     rounds_ = 1;
     firstRound_ = 0;
-    kept_ = 0;
+    counts_ = {};
     error_.reset();
 }
 
@@ -186,7 +186,7 @@ void PassGraph::resumeTask(std::uint32_t task)
     depth_ = tasks_[task].depth;
     normals_ = tasks_[task].normals;
     taskFirstPass_ = passes_.size();
-    taskKept_ = 0;
+    taskCounts_ = {};
     taskStale_.clear();
     error_.reset();
 }
@@ -194,7 +194,7 @@ void PassGraph::resumeTask(std::uint32_t task)
 std::optional<Error> PassGraph::endTask()
 {
     if (!error_) {
-        kept_ += taskKept_;
+        counts_ += taskCounts_;
         return std::nullopt;
     }
     // The task cannot run. Its passes become empty ones, since they are known by their place, and what they would have

@@ -98,6 +98,19 @@ struct FrameBuffer {
     std::uint32_t newest = UINT32_MAX;
 };
 
+/// What became of kept results: members of GnFrameStats.
+struct KeptCounts {
+    std::uint32_t kept = 0, pagesEvicted = 0, pagesWithoutRoom = 0;
+
+    KeptCounts& operator+=(const KeptCounts& more)
+    {
+        kept += more.kept;
+        pagesEvicted += more.pagesEvicted;
+        pagesWithoutRoom += more.pagesWithoutRoom;
+        return *this;
+    }
+};
+
 /// Filled by PassBuilder, read by PassExecutor. Reused from frame to frame: a steady frame allocates nothing.
 class PassGraph {
 public:
@@ -136,7 +149,7 @@ public:
     /// Indices into passes(), ordered by round, side (prepare, GPU, host) and batch; valid until the next declaration.
     std::span<const std::uint32_t> order();
     std::uint32_t rounds() const { return rounds_; }
-    std::uint32_t keptPasses() const { return kept_; }
+    const KeptCounts& counts() const { return counts_; }
     /// Passes declared from now on come at this round or later (declared by host passes).
     void setFirstRound(std::uint32_t round) { firstRound_ = round; }
 
@@ -201,7 +214,7 @@ private:
     std::uint64_t pendingKey_ = 0;
     std::uint32_t rounds_ = 1;
     std::uint32_t firstRound_ = 0;
-    std::uint32_t kept_ = 0, taskKept_ = 0;
+    KeptCounts counts_, taskCounts_;
 };
 
 } // namespace gnomon

@@ -107,7 +107,7 @@ struct Frames {
             if (task == failing) PassBuilder(graph).fail({GN_ERROR_OUT_OF_DEVICE_MEMORY, "Test", "no room for more"});
             REQUIRE(graph.endTask().has_value() == (fails || task == failing));
         }
-        kept = graph.keptPasses();
+        kept = graph.counts().kept;
         const std::vector<std::string> names = execute();
         layers.clear();
         for (std::uint32_t i = 0; i < wanted.size(); ++i) {

@@ -27,7 +27,8 @@ TEST_CASE("run leaves both tables, pictures, the rules used and a dump, and its 
     const std::vector<std::string> frames = lines(folder.path / "frames.csv");
     REQUIRE(frames.size() == 7);
     CHECK(frames[0] ==
-          "frame,time_s,frame_ms,fps,shadow_gpu_ms,shadow_cpu_ms,decide_us,lights,switches,budget_ms,over_budget");
+          "frame,time_s,frame_ms,fps,shadow_gpu_ms,shadow_cpu_ms,decide_us,lights,switches,budget_ms,over_budget,"
+          "pages_evicted,pages_without_room");
     const std::vector<std::string> lights = lines(folder.path / "lights.csv");
     REQUIRE(lights.size() > 1);
     CHECK(lights[0] == "frame,light,method,suitability,predicted_ms,measured_ms,distance,reason,map_side");

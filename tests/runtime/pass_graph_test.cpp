@@ -110,3 +110,19 @@ TEST_CASE("of an image that a failed task would have cleared to test it nothing 
         frame.graph.resumeTask(0);
     }
 }
+
+TEST_CASE("pages of maps are counted for the frame, but those of a task that cannot run are not")
+{
+    Frame frame;
+    frame.passes.pages(2, 3);
+    CHECK(!frame.graph.endTask());
+    frame.graph.beginTask({.view = 1, .light = 2, .method = 0}, &frame.view, {}, {});
+    frame.passes.pages(5, 7);
+    frame.passes.fail({GN_ERROR_OUT_OF_DEVICE_MEMORY, "Test", "no room"});
+    CHECK(frame.graph.endTask());
+    CHECK(frame.graph.counts().pagesEvicted == 2);
+    CHECK(frame.graph.counts().pagesWithoutRoom == 3);
+    frame.graph.reset();
+    CHECK(frame.graph.counts().pagesEvicted == 0);
+    CHECK(frame.graph.counts().pagesWithoutRoom == 0);
+}

@@ -93,6 +93,8 @@ typedef struct GnFrameStats {
     float budgetMs;             ///< The budget the plan kept to: the host's, the rules' `shadowCapMs` where that is
                                 ///< less or the host gives none, or that of `budget: auto`; 0: none.
     float raysMs;               ///< Inside the ray tracer's queries, wall time of every thread added up.
+    uint32_t pagesEvicted;      ///< Pages of maps that made way for others, in a pool of fixed size.
+    uint32_t pagesWithoutRoom;  ///< Pages that views asked for and that had no room: coarser ones answer for them.
 } GnFrameStats;
 
 /** \brief Of the newest frame, which may be one that failed (see gnSubmitShadows()); all zero before the first. */
