@@ -13,9 +13,12 @@ namespace gnomon {
 
 namespace {
 
-// Bits of a key: 8 of the level, 28 of the row, 28 of the column.
-constexpr std::uint64_t kPlaceBits = 28, kPlaceMask = (1u << kPlaceBits) - 1;
-constexpr int kZeroPlace = 1 << (kPlaceBits - 1), kZeroLevel = 128;
+// Bits of a key: 7 of the level, 3 of the face, 27 of the row, 27 of the column.
+constexpr std::uint64_t kPlaceBits = 27, kPlaceMask = (1u << kPlaceBits) - 1, kFaceBits = 3;
+constexpr int kZeroPlace = 1 << (kPlaceBits - 1), kZeroLevel = 64;
+
+/// Of a map about a place what receivers lie in: less than 1/64 of the finest texel is left out on each side.
+constexpr double kShort = 1.0 - 0x1p-20;
 
 int placeIn(double pages)
 {
@@ -30,30 +33,36 @@ PageKey keyOf(const Page& page)
     const auto level = static_cast<std::uint64_t>(page.level + kZeroLevel);
     const auto row = static_cast<std::uint64_t>(page.y + kZeroPlace),
                column = static_cast<std::uint64_t>(page.x + kZeroPlace);
-    return level << (2 * kPlaceBits) | row << kPlaceBits | column;
+    return (level << kFaceBits | page.face) << (2 * kPlaceBits) | row << kPlaceBits | column;
 }
 
 Page pageOf(PageKey key)
 {
-    return {static_cast<int>(key >> (2 * kPlaceBits)) - kZeroLevel, static_cast<int>(key & kPlaceMask) - kZeroPlace,
-            static_cast<int>(key >> kPlaceBits & kPlaceMask) - kZeroPlace};
+    const PageKey levelAndFace = key >> (2 * kPlaceBits);
+    return {static_cast<int>(levelAndFace >> kFaceBits) - kZeroLevel, static_cast<int>(key & kPlaceMask) - kZeroPlace,
+            static_cast<int>(key >> kPlaceBits & kPlaceMask) - kZeroPlace,
+            static_cast<std::uint32_t>(levelAndFace & ((1u << kFaceBits) - 1))};
 }
 
 PageGrid::PageGrid(const LightFit& whole, const LightView& light, const double (&origin)[3], std::uint32_t texels,
-                   std::uint32_t border)
-    : whole_(whole), positional_(light.type != GN_LIGHT_TYPE_DIRECTIONAL), texels_(texels), border_(border)
+                   std::uint32_t border, std::uint32_t face)
+    : whole_(whole), positional_(light.type != GN_LIGHT_TYPE_DIRECTIONAL), texels_(texels), border_(border), face_(face)
 {
     const glm::dmat4 rows = glm::transpose(glm::dmat4(whole.clipFromWorld));
     const glm::dvec3 zero = positional_ ? glm::dvec3(light.position()) : glm::dvec3(0.0);
     const auto about = [&](glm::dvec3 normal) { return glm::dvec4(normal, -glm::dot(normal, zero)); };
     for (int axis = 0; axis < 2; ++axis) {
-        const double half = 1.0 / glm::length(glm::dvec3(rows[axis]));
+        const double half = half_[axis] = 1.0 / glm::length(glm::dvec3(rows[axis]));
         const glm::dvec3 side = half * glm::dvec3(rows[axis]);
         sides_[axis] = about(side);
         const double middle = positional_ ? 0.0 : -rows[axis].w * half;
-        all_.low[axis] = middle - half;
-        all_.high[axis] = middle + half;
-        if (!positional_) zero_[axis] = glm::dot(side, glm::dvec3(origin[0], origin[1], origin[2]));
+        // The receivers of a cube's face lie within 45 degrees, whatever the fit has around them.
+        const double reach = light.type == GN_LIGHT_TYPE_POINT ? 1.0 : half,
+                     reached = positional_ ? reach * kShort : reach;
+        all_.low[axis] = middle - reached;
+        all_.high[axis] = middle + reached;
+        // Counted from a corner, one page holds a map that is as wide; from its middle on that takes four.
+        zero_[axis] = positional_ ? reach : glm::dot(side, glm::dvec3(origin[0], origin[1], origin[2]));
     }
     if (!positional_) return;
     depth_ = about(glm::normalize(glm::dvec3(rows[3])));
@@ -120,7 +129,7 @@ LightFit PageGrid::window(const PlaneRect& rect) const
 {
     const glm::dvec2 middle = 0.5 * (rect.low + rect.high), half = 0.5 * (rect.high - rect.low);
     if (!positional_) return fitWindow(whole_, middle, half);
-    const glm::dvec2 scale = 0.5 * (all_.high - all_.low) / half, moved = -middle / half;
+    const glm::dvec2 scale = half_ / half, moved = -middle / half;
     return fitProjected(whole_, {scale.x, 0.0, 0.0, 0.0, scale.y, 0.0, moved.x, moved.y, 1.0}, 1.0);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The grid of pages that a light's virtual map is made of.
+// The grid of pages that a light's virtual map is made of, or one face of it.
 #include <array>
 #include <cstdint>
 
@@ -16,19 +16,20 @@ namespace gnomon {
 /// The grid of a level stands still in the world, or with the light.
 struct Page {
     int level = 0;
-    int x = 0, y = 0; ///< Along the light's map, to the right and down.
+    int x = 0, y = 0;       ///< Along the light's map, to the right and down.
+    std::uint32_t face = 0; ///< Of a point light's cube, as in fitCubeFace().
 
     /// The page of the next coarser level that holds it.
-    Page parent() const { return {level + 1, x >> 1, y >> 1}; }
+    Page parent() const { return {level + 1, x >> 1, y >> 1, face}; }
 };
 
-/// A page as a number: ordered by level, row and column, finest level first.
+/// A page as a number: ordered by level, face, row and column, finest level first.
 using PageKey = std::uint64_t;
 PageKey keyOf(const Page& page);
 Page pageOf(PageKey key);
 
 /// A rectangle in the light's map, along its sides: metres from the frame's origin, or from the axis of a light with a
-/// position at 1 m along it.
+/// position, or of a face, at 1 m along it.
 struct PlaneRect {
     glm::dvec2 low{0.0}, high{0.0};
 
@@ -49,11 +50,12 @@ struct PageRect {
 
 class PageGrid {
 public:
-    /// @param whole  fitDepthMap()
+    /// @param whole  of fitLightMap(), the face's
     /// @param texels a side of a page that belong to it alone
-    /// @param border texels around these that its neighbours hold as well
+    /// @param border texels around these that its neighbours hold as well; beyond the border of a face they show what
+    ///               its own projection does, so no filter reads another face
     PageGrid(const LightFit& whole, const LightView& light, const double (&origin)[3], std::uint32_t texels,
-             std::uint32_t border);
+             std::uint32_t border, std::uint32_t face = 0);
 
     double width(int level) const; ///< Of a page.
     /// Depth of a point along the axis of a light with a position, metres: dot(depth(), (p, 1)). Otherwise 1.
@@ -61,7 +63,7 @@ public:
     double nearest() const { return nearest_; } ///< Depth at which casters begin.
     /// @pre the depth is above 0
     glm::dvec2 placeOf(glm::dvec3 point) const;
-    /// All that is drawn.
+    /// All in which receivers are looked up. Of a map about a place it ends just short of that: pages may end there.
     const PlaneRect& all() const { return all_; }
     /// The planes that bound it.
     std::array<glm::dvec4, 4> edges() const;
@@ -69,6 +71,7 @@ public:
     /// A page with its border.
     PlaneRect rectOf(const Page& page) const;
     PageRect pagesIn(const PlaneRect& rect, int level) const;
+    Page page(int level, int x, int y) const { return {level, x, y, face_}; }
     /// The corner of a page that has the least coordinates.
     glm::dvec2 cornerOf(const Page& page) const;
     /// What is drawn into a page.
@@ -76,6 +79,7 @@ public:
     /// A map of `side` texels as wide as those of the level, whose first texel is the page's.
     LightFit fitAt(const Page& page, std::uint32_t side) const;
 
+    std::uint32_t face() const { return face_; }
     std::uint32_t texels() const { return texels_; }
     std::uint32_t border() const { return border_; }
     int finestLevel() const;
@@ -84,13 +88,14 @@ private:
     LightFit window(const PlaneRect& rect) const;
 
     LightFit whole_;
+    glm::dvec2 half_; ///< Of its sides.
     bool positional_;
     glm::dvec4 sides_[2]; ///< Places, times the depth: right and down. Unit normals.
     glm::dvec4 depth_{0, 0, 0, 1};
-    glm::dvec2 zero_{0.0}; ///< Of places, metres from the world's origin.
+    glm::dvec2 zero_{0.0}; ///< Of places, from where pages are counted: the world's origin, or a corner of the map.
     double nearest_ = 0.0;
     PlaneRect all_;
-    std::uint32_t texels_, border_;
+    std::uint32_t texels_, border_, face_;
 };
 
 } // namespace gnomon

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "algorithms/maps/view_solid.hpp"
+#include "algorithms/shared/depth_map.hpp"
 
 namespace gnomon {
 
@@ -73,7 +74,7 @@ struct RowRanges {
 /// Calls visit(from, to) with the edges, in the light's map, of what the view sees of a box between two planes.
 template <typename Visit>
 void forPlaces(const ViewSolid& view, const PageGrid& grid, const Aabb& box, double nearest,
-               const glm::dvec4 (&ends)[2], const Visit& visit)
+               const std::array<glm::dvec4, 2>& ends, const Visit& visit)
 {
     const glm::dvec4 before(0.0, 0.0, 0.0, 1.0);
     const std::array edges = grid.edges();
@@ -102,16 +103,17 @@ void PageRequests::addBox(const Aabb& bounds, const CameraView& camera, const Vi
     const double nearest =
         std::max(distance.least, aboutEye ? std::max(kNearestWithin, view.nearest()) : view.nearest());
     if (!(nearest <= distance.greatest) || !(depth.greatest > grid.nearest())) return;
+    for (const glm::dvec4& edge : grid.edges())
+        if (measured(edge, bounds).greatest < 0.0) return;
     const double scale = glm::length(glm::dvec3(view.pixel())) / glm::length(glm::dvec3(view.distance()));
     const double fixed = view.pixel().w; // without a perspective, where scale is 0
     const auto pixelAt = [&](double metres) { return scale > 0.0 ? scale * metres : fixed; };
     boxes_.push_back({bounds, nearest, pixelAt(nearest) / depth.greatest,
-                      pixelAt(distance.greatest) / std::max(depth.least, grid.nearest())});
+                      pixelAt(distance.greatest) / std::max(depth.least, grid.nearest()), &grid});
 }
 
 void PageRequests::collectBoxes(const ShadowTask& task, const ViewSolid& view, const PageGrid& grid)
 {
-    boxes_.clear();
     for (const Caster* caster : task.casters->all) {
         const bool parts = caster->mesh && !caster->gpuPlaced && !caster->hostDrawn &&
                            caster->mesh->chunks.size() > 1 && caster->mesh->chunks.size() <= kMostChunks;
@@ -124,20 +126,30 @@ void PageRequests::collectBoxes(const ShadowTask& task, const ViewSolid& view, c
     }
 }
 
-void PageRequests::askCoarsest(const PageGrid& grid, std::uint32_t capacity)
+/// @param most pages of a grid
+void PageRequests::askCoarsest(std::span<const PageGrid> grids, std::uint32_t most)
 {
-    const auto most = static_cast<int>(std::max(capacity / kCoarsestShare, kLeastPages));
-    PageRect rect;
-    for (coarsest_ = grid.finestLevel(); coarsest_ < kCoarsestLevel; ++coarsest_) {
-        rect = grid.pagesIn(grid.all(), coarsest_);
-        if (rect.width() <= most && rect.height() <= most && rect.width() * rect.height() <= most) break;
+    const auto fits = [&](const PageGrid& grid) {
+        const PageRect rect = grid.pagesIn(grid.all(), coarsest_);
+        const int limit = static_cast<int>(most);
+        return rect.width() <= limit && rect.height() <= limit && rect.width() * rect.height() <= limit;
+    };
+    for (coarsest_ = grids.front().finestLevel(); coarsest_ < kCoarsestLevel; ++coarsest_)
+        if (std::ranges::all_of(grids, fits)) break;
+    for (const PageGrid& grid : grids) {
+        const PageRect rect = grid.pagesIn(grid.all(), coarsest_);
+        for (int y = rect.low.y; y <= rect.high.y; ++y)
+            for (int x = rect.low.x; x <= rect.high.x; ++x)
+                pages_.push_back(keyOf(grid.page(coarsest_, x, y)));
     }
-    for (int y = rect.low.y; y <= rect.high.y; ++y)
-        for (int x = rect.low.x; x <= rect.high.x; ++x)
-            pages_.push_back(keyOf({coarsest_, x, y}));
 }
 
-void PageRequests::cutSlices(const ViewSolid& view, const Aabb& casters, const PageGrid& grid)
+std::array<glm::dvec4, 2> PageRequests::Slice::ends(const ViewSolid& view, const PageGrid& grid) const
+{
+    return {view.pixel() - narrowest * grid.depth(), widest * grid.depth() - view.pixel()};
+}
+
+void PageRequests::cutSlices(const ViewSolid& view, const Aabb& casters, std::span<const PageGrid> grids)
 {
     double narrowest = INFINITY, widest = 0.0;
     for (const Box& box : boxes_) {
@@ -146,7 +158,7 @@ void PageRequests::cutSlices(const ViewSolid& view, const Aabb& casters, const P
     }
     constexpr int kMost = static_cast<int>(gpu::MAX_PAGE_LEVELS) - 1;
     const int nearest = boxes_.empty() ? coarsest_ : levelOfWidth(narrowest);
-    first_ = std::clamp(nearest, std::max(grid.finestLevel(), coarsest_ - kMost), coarsest_);
+    first_ = std::clamp(nearest, std::max(grids.front().finestLevel(), coarsest_ - kMost), coarsest_);
     const int last =
         boxes_.empty() ? first_ : std::clamp(levelOfWidth(widest), first_, std::max(first_, coarsest_ - 1));
     used_ = static_cast<std::uint32_t>(last - first_ + 1);
@@ -154,39 +166,57 @@ void PageRequests::cutSlices(const ViewSolid& view, const Aabb& casters, const P
         slice.level = first_ + static_cast<int>(&slice - slices_.data());
         slice.pages.clear();
         slice.finer.clear();
-        slice.rows.fill(0);
         const double texel = std::ldexp(1.0, slice.level);
         slice.narrowest = slice.level == first_ ? 0.0 : texel * (1.0 - kOverlap);
         slice.widest = (slice.level == last ? widest : 2.0 * texel) * (1.0 + kOverlap);
-        slice.ends[0] = view.pixel() - slice.narrowest * grid.depth();
-        slice.ends[1] = slice.widest * grid.depth() - view.pixel();
-        PlaneRect seen{glm::dvec2(INFINITY), glm::dvec2(-INFINITY)};
-        forPlaces(view, grid, casters, view.nearest(), slice.ends, [&](glm::dvec2 from, glm::dvec2) {
-            seen = {glm::min(seen.low, from), glm::max(seen.high, from)};
-        });
-        slice.seen = seen.low.x <= seen.high.x ? seen.meet(grid.all()) : PlaneRect{}; // or nothing
+        for (const PageGrid& grid : grids) {
+            PlaneRect seen{glm::dvec2(INFINITY), glm::dvec2(-INFINITY)};
+            forPlaces(view, grid, casters, view.nearest(), slice.ends(view, grid), [&](glm::dvec2 from, glm::dvec2) {
+                seen = {glm::min(seen.low, from), glm::max(seen.high, from)};
+            });
+            // Or nothing.
+            slice.seen[grid.face()] = seen.low.x <= seen.high.x ? seen.meet(grid.all()) : PlaneRect{};
+        }
     }
 }
 
-void PageRequests::raiseSlices(const PageGrid& grid)
+void PageRequests::raiseSlices(std::span<const PageGrid> grids)
 {
     const auto fits = [&](const Slice& slice, int raised) {
-        const PageRect rect = grid.pagesIn(slice.seen, slice.level + raised);
-        return slice.level + raised >= coarsest_ || std::max(rect.width(), rect.height()) <= kRows;
+        return slice.level + raised >= coarsest_ || std::ranges::all_of(grids, [&](const PageGrid& grid) {
+                   const PageRect rect = grid.pagesIn(slice.seen[grid.face()], slice.level + raised);
+                   return std::max(rect.width(), rect.height()) <= kRows;
+               });
     };
     int raised = 0;
     for (const Slice& slice : used())
         while (raised < static_cast<int>(gpu::MAX_PAGE_LEVELS) && !fits(slice, raised))
             ++raised;
-    for (Slice& slice : used()) {
+    for (Slice& slice : used())
         slice.level += raised;
-        const glm::dvec2 middle = 0.5 * (slice.seen.low + slice.seen.high);
-        slice.corner = grid.pagesIn({middle, middle}, slice.level).low - kRows / 2;
-    }
 }
 
-void PageRequests::mark(const Box& box, const ViewSolid& view, const PageGrid& grid)
+/// The pages of a face that its boxes ask for.
+void PageRequests::markFace(const ViewSolid& view, const PageGrid& grid)
 {
+    for (Slice& slice : used()) {
+        const PlaneRect& seen = slice.seen[grid.face()];
+        const glm::dvec2 middle = 0.5 * (seen.low + seen.high);
+        slice.corner = grid.pagesIn({middle, middle}, slice.level).low - kRows / 2;
+        slice.rows.fill(0);
+    }
+    for (const Box& box : boxes_)
+        if (box.grid == &grid) mark(box, view);
+    for (Slice& slice : used())
+        for (int row = 0; row < kRows; ++row)
+            for (std::uint64_t bits = slice.rows[std::size_t(row)]; bits != 0; bits &= bits - 1)
+                slice.pages.push_back(
+                    keyOf(grid.page(slice.level, slice.corner.x + std::countr_zero(bits), slice.corner.y + row)));
+}
+
+void PageRequests::mark(const Box& box, const ViewSolid& view)
+{
+    const PageGrid& grid = *box.grid;
     const PlaneRect rect = grid.rectOf(box.bounds).meet(grid.all());
     if (!(rect.low.x <= rect.high.x && rect.low.y <= rect.high.y)) return;
     for (Slice& slice : used()) {
@@ -201,13 +231,15 @@ void PageRequests::mark(const Box& box, const ViewSolid& view, const PageGrid& g
         RowRanges ranges;
         const glm::dvec2 zero = grid.cornerOf({slice.level, slice.corner.x, slice.corner.y});
         const double scale = 1.0 / grid.width(slice.level);
-        forPlaces(view, grid, box.bounds, box.nearest, slice.ends,
+        forPlaces(view, grid, box.bounds, box.nearest, slice.ends(view, grid),
                   [&](glm::dvec2 from, glm::dvec2 to) { ranges.addEdge(scale * (from - zero), scale * (to - zero)); });
         const double texel = 1.0 / grid.texels(); // of slack for what was rounded
-        for (int row = ranges.first; row <= ranges.last; ++row)
-            if (ranges.low[std::size_t(row)] <= ranges.high[std::size_t(row)])
+        for (int row = ranges.first; row <= ranges.last; ++row) {
+            const double first = ranges.low[std::size_t(row)], last = ranges.high[std::size_t(row)];
+            if (first <= last)
                 slice.rows[std::size_t(row)] |=
-                    columns(rowOf(ranges.low[std::size_t(row)] - texel), rowOf(ranges.high[std::size_t(row)] + texel));
+                    columns(std::max(rowOf(first - texel), low.x), std::min(rowOf(last + texel), high.x));
+        }
     }
 }
 
@@ -233,11 +265,18 @@ std::size_t PageRequests::askedAt(int level)
     return static_cast<std::size_t>(std::unique(merged_.begin(), merged_.end()) - merged_.begin());
 }
 
+/// Adds the pages of all slices.
+void PageRequests::addTo(std::vector<PageKey>& pages)
+{
+    for (const Slice& slice : used())
+        pages.insert(pages.end(), slice.pages.begin(), slice.pages.end());
+    std::sort(pages.begin(), pages.end());
+    pages.erase(std::unique(pages.begin(), pages.end()), pages.end());
+}
+
 void PageRequests::makeRoom(std::uint32_t capacity)
 {
-    std::size_t asked = pages_.size();
-    for (const Slice& slice : used())
-        asked += slice.pages.size(); // all of other levels as yet
+    std::size_t asked = wanted_.size();
     for (std::uint32_t step = 0; asked > capacity && step < gpu::MAX_PAGE_LEVELS; ++step) {
         for (std::uint32_t i = used_; i-- > 0 && asked > capacity;) {
             Slice& slice = slices_[i];
@@ -256,26 +295,29 @@ void PageRequests::makeRoom(std::uint32_t capacity)
     }
 }
 
-void PageRequests::ask(const ShadowTask& task, const Aabb& casters, const PageGrid& grid, const Wanted& wanted)
+void PageRequests::ask(const ShadowTask& task, const Aabb& casters, std::span<const PageGrid> grids,
+                       const Wanted& wanted)
 {
     pages_.clear();
-    askCoarsest(grid, wanted.capacity);
+    boxes_.clear();
+    // Of a point light each face has its share, seen or not, and counts its pages from a corner: a turn of the view
+    // leaves their level.
+    const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
+    askCoarsest(grids, cube ? std::max(wanted.capacity / kCoarsestShare / mapLayers(task.light->type), 1u)
+                            : std::max(wanted.capacity / kCoarsestShare, kLeastPages));
     const ViewSolid view(*task.view, wanted.density);
-    collectBoxes(task, view, grid);
-    cutSlices(view, casters, grid);
-    raiseSlices(grid);
-    for (const Box& box : boxes_)
-        mark(box, view, grid);
-    for (Slice& slice : used())
-        for (int row = 0; row < kRows; ++row)
-            for (std::uint64_t bits = slice.rows[std::size_t(row)]; bits != 0; bits &= bits - 1)
-                slice.pages.push_back(
-                    keyOf({slice.level, slice.corner.x + std::countr_zero(bits), slice.corner.y + row}));
+    for (const PageGrid& grid : grids)
+        collectBoxes(task, view, grid);
+    cutSlices(view, casters, grids);
+    raiseSlices(grids);
+    for (const PageGrid& grid : grids)
+        markFace(view, grid);
+    wanted_ = pages_;
+    addTo(wanted_);
     makeRoom(wanted.capacity);
-    for (const Slice& slice : used())
-        pages_.insert(pages_.end(), slice.pages.begin(), slice.pages.end());
-    std::sort(pages_.begin(), pages_.end());
-    pages_.erase(std::unique(pages_.begin(), pages_.end()), pages_.end());
+    addTo(pages_);
+    withoutRoom_ = static_cast<std::uint32_t>(std::ranges::count_if(
+        wanted_, [&](PageKey key) { return !std::binary_search(pages_.begin(), pages_.end(), key); }));
 }
 
 } // namespace gnomon

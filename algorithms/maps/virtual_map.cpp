@@ -1,15 +1,16 @@
-// A directional or spot light's map in pages of several resolutions, of which those that the view asks for are kept.
+// A light's map in pages of several resolutions, of which those that the view asks for are kept.
 // Source:    ours; clipmaps (C. Tanner, C. Migdal and M. Jones, SIGGRAPH 1998) and adaptive shadow maps (R. Fernando,
 // S. Fernandez, K. Bala and D. Greenberg, SIGGRAPH 2001), in pages.
 // Reads:     casters through the rasteriser, receiver depth, geometric normals.     Writes: visibility.
 // Strong at: wide scenes: texels are about as wide as pixels near and far, and what stands still is drawn once.
-// Weak at:   a camera that turns or jumps draws many small pages; one pool per view.
+// Weak at:   a camera that turns or jumps draws many small pages; one pool per light and view.
 #include "algorithms/entries.hpp"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
+#include <memory>
 #include <unordered_map>
 
 #include <glm/common.hpp>
@@ -18,6 +19,7 @@
 #include "algorithms/maps/page_slots.hpp"
 #include "algorithms/shared/contact.hpp"
 #include "algorithms/shared/depth_casters.hpp"
+#include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps_virtual_map_frag.h"
 #include "shaders/shared_map_resolve_vert.h"
@@ -47,12 +49,13 @@ struct Pool {
     std::uint32_t capacity; ///< Pages.
     std::uint32_t border;
 
-    static Pool of(std::span<const double> settings)
+    static Pool of(std::span<const double> settings, GnLightType type)
     {
         const auto resolution = static_cast<std::uint32_t>(settings[kResolution]);
         const std::uint32_t side = std::max(resolution / kPagesPerSide, kLeastPageSide);
         const std::uint32_t perSide = std::max(resolution / side, 2u);
-        return {side, perSide * perSide, filterSide(settings[kFilter]) > 1 ? kBorderTexels : 0};
+        return {side, std::max(perSide * perSide, mapLayers(type)),
+                filterSide(settings[kFilter]) > 1 ? kBorderTexels : 0};
     }
 };
 
@@ -93,13 +96,21 @@ private:
     std::span<const Caster*> found_;
 };
 
+/// A light's map as a whole, and the grids of its parts that receivers in view may lie in. In the frame's memory.
+struct Grids {
+    std::span<const LightFit> fits; ///< Of a point light six.
+    std::span<const PageGrid> seen;
+
+    bool cube() const { return fits.size() > 1; }
+};
+
 /// The page table of a frame, and how receivers are found in it.
 struct PageTable {
     std::span<std::uint32_t> entries;
     std::uint64_t stamp = 0;
 };
 
-PipelineId resolvePipeline(const AlgorithmServices& services, bool normals, bool filtered)
+PipelineId resolvePipeline(const AlgorithmServices& services, bool cube, bool normals, bool filtered)
 {
     const auto look = lookupBindings(true);
     BindingInfo bindings[5];
@@ -109,52 +120,71 @@ PipelineId resolvePipeline(const AlgorithmServices& services, bool normals, bool
     pipeline.name = "virtual_map.resolve";
     pipeline.vertex.code = k_shared_map_resolve_vert;
     pipeline.fragment = {
-        .code = k_maps_virtual_map_frag, .specializationCount = 2, .specialization = {normals, filtered}};
+        .code = k_maps_virtual_map_frag, .specializationCount = 3, .specialization = {normals, filtered, cube}};
     pipeline.bindings = bindings;
     pipeline.colorFormat = VK_FORMAT_R8_UNORM;
     return services.pipelines->graphics(pipeline);
 }
 
-/// Windows of the levels, and of the pages in them the layers.
-PageTable tableOf(std::span<const PlacedPage> pages, const PageRequests& requests, const PageGrid& grid,
+std::uint32_t windowOf(const Page& page, int finest)
+{
+    return page.face * gpu::MAX_PAGE_LEVELS + static_cast<std::uint32_t>(page.level - finest);
+}
+
+/// Adds how receivers are found in the base: of a point light, whose faces differ in their axes alone, a map about the
+/// axis of each. @return the place of its first texel
+glm::dvec2 addBase(const Page& finest, const Grids& grids, const ShadowTask& task, std::uint32_t side,
+                   gpu::MapConstants& base)
+{
+    if (grids.cube()) {
+        addLightProjection(base, grids.fits, task);
+        const double half = 0.5 * std::ldexp(static_cast<double>(side), finest.level);
+        base.map.slope = static_cast<float>(half);
+        return glm::dvec2(-half);
+    }
+    const PageGrid& grid = grids.seen.front();
+    addProjection(base, grid.fitAt(finest, side), task);
+    return grid.cornerOf(finest);
+}
+
+/// Windows of the levels, and of the pages in them the layers. @param base place of the base's first texel
+PageTable tableOf(std::span<const PlacedPage> pages, const PageRequests& requests, const Grids& grids, glm::dvec2 base,
                   gpu::VirtualMapConstants& constants, FrameArena& arena)
 {
     const int finest = pageOf(pages.front().key).level;
     constants.levels = static_cast<std::uint32_t>(requests.coarsest() - finest + 1);
-    const glm::dvec2 base = grid.cornerOf(pageOf(pages.front().key));
-    std::uint32_t size = 0;
-    PageRect windows[gpu::MAX_PAGE_LEVELS];
-    for (std::size_t i = 0; i < pages.size(); ++i) {
-        const Page page = pageOf(pages[i].key);
-        PageRect& window = windows[page.level - finest];
+    PageRect windows[gpu::MAX_PAGE_WINDOWS];
+    for (const PlacedPage& placed : pages) {
+        const Page page = pageOf(placed.key);
+        PageRect& window = windows[windowOf(page, finest)];
         const glm::ivec2 at(page.x, page.y);
         const bool first = window.width() <= 0;
         window = {first ? at : glm::min(window.low, at), first ? at : glm::max(window.high, at)};
     }
-    for (std::uint32_t i = 0; i < constants.levels; ++i) {
-        const PageRect& window = windows[i];
-        const auto width = static_cast<std::uint32_t>(window.width()),
-                   height = static_cast<std::uint32_t>(window.height());
-        constants.windows[i] = {size, width, height, 0};
-        size += width * height;
-        const int level = finest + static_cast<int>(i);
-        const glm::dvec2 moved = base - grid.cornerOf({level, window.low.x, window.low.y});
-        constants.parts[i] = glm::vec4(glm::vec2(static_cast<float>(std::ldexp(1.0, finest - level))),
-                                       glm::vec2(moved * std::ldexp(1.0, -level)));
-    }
+    std::uint32_t size = 0;
+    for (const PageGrid& grid : grids.seen)
+        for (int level = finest; level <= requests.coarsest(); ++level) {
+            const std::uint32_t i = windowOf(grid.page(level, 0, 0), finest);
+            const PageRect& window = windows[i];
+            const auto width = static_cast<std::uint32_t>(window.width()),
+                       height = static_cast<std::uint32_t>(window.height());
+            constants.windows[i] = {size, width, height, 0};
+            size += width * height;
+            const glm::dvec2 moved = base - grid.cornerOf(grid.page(level, window.low.x, window.low.y));
+            constants.parts[i] = glm::vec4(glm::vec2(static_cast<float>(std::ldexp(1.0, finest - level))),
+                                           glm::vec2(moved * std::ldexp(1.0, -level)));
+        }
     for (std::uint32_t i = 0; i < requests.slices(); ++i)
         constants.given[i].x = static_cast<std::uint32_t>(std::max(requests.levelOf(i) - finest, 0));
     constants.slices = requests.slices();
-    constants.pageTexels = static_cast<float>(grid.texels());
-    constants.border = static_cast<float>(grid.border());
 
     PageTable table{.entries = arena.array<std::uint32_t>(size)};
     std::ranges::fill(table.entries, 0u);
     Stamp stamp;
     for (const PlacedPage& placed : pages) {
         const Page page = pageOf(placed.key);
-        const gpu::uvec4& window = constants.windows[page.level - finest];
-        const glm::ivec2 at = glm::ivec2(page.x, page.y) - windows[page.level - finest].low;
+        const gpu::uvec4& window = constants.windows[windowOf(page, finest)];
+        const glm::ivec2 at = glm::ivec2(page.x, page.y) - windows[windowOf(page, finest)].low;
         const std::uint32_t entry =
             window.x + static_cast<std::uint32_t>(at.y) * window.y + static_cast<std::uint32_t>(at.x);
         table.entries[entry] = placed.slot + 1;
@@ -169,33 +199,37 @@ public:
     explicit VirtualMap(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)), contact_(services)
     {
-        for (const bool normals : {false, true})
-            for (const bool filtered : {false, true})
-                resolve_[normals][filtered] = resolvePipeline(services, normals, filtered);
+        for (const bool cube : {false, true})
+            for (const bool normals : {false, true})
+                for (const bool filtered : {false, true})
+                    resolve_[cube][normals][filtered] = resolvePipeline(services, cube, normals, filtered);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         FrameArena& arena = passes.arena();
-        const Pool pool = Pool::of(task.settings);
-        const PageGrid grid(*fitDepthMap(casters_.clamped, task, kPlainSide, arena), *task.light, task.view->origin,
-                            pool.side - 2 * pool.border, pool.border);
+        const Pool pool = Pool::of(task.settings, task.light->type);
+        const Grids grids = gridsOf(task, pool, arena);
         Kept& kept = keptOf(task, pool, passes.frame());
-        const std::uint64_t stamp = requestStamp(task, pool);
+        const std::uint64_t stamp = requestStamp(task, pool, grids);
         if (kept.asked != stamp)
-            kept.requests.ask(task, sceneBounds(*task.casters), grid, {pool.capacity, task.settings[kDensity]});
+            kept.requests.ask(task, sceneBounds(*task.casters), grids.seen, {pool.capacity, task.settings[kDensity]});
         kept.asked = stamp;
         const std::span<const PlacedPage> pages = kept.slots.place(kept.requests.pages(), passes.frame());
-        const ImageId image = declarePages(passes, task, pool, grid, pages);
+        passes.pages(static_cast<std::uint32_t>(std::ranges::count_if(pages, &PlacedPage::evicts)),
+                     kept.requests.withoutRoom());
+        const ImageId image = declarePages(passes, task, pool, grids, pages);
 
         gpu::VirtualMapConstants& constants = *arena.make(gpu::VirtualMapConstants{});
         const Page finest = pageOf(pages.front().key);
         constants.base = mapConstants(task, pool.side, filterSide(task.settings[kFilter]));
-        addProjection(constants.base, grid.fitAt(finest, pool.side), task);
+        const glm::dvec2 base = addBase(finest, grids, task, pool.side, constants.base);
         constants.footprint =
             static_cast<float>(std::ldexp(static_cast<double>(task.view->constants.pixelSize) / task.settings[kDensity],
                                           -kept.requests.firstLevel()));
-        const PageTable table = tableOf(pages, kept.requests, grid, constants, arena);
+        constants.pageTexels = static_cast<float>(pool.side - 2 * pool.border);
+        constants.border = static_cast<float>(pool.border);
+        const PageTable table = tableOf(pages, kept.requests, grids, base, constants, arena);
         declareResolve(passes, task, image, constants, declareTable(passes, table));
         contact_.declare(passes, task, task.settings[kContact]);
     }
@@ -209,13 +243,28 @@ private:
         std::uint64_t used = 0;  ///< Frame.
     };
 
-    static std::uint64_t requestStamp(const ShadowTask& task, const Pool& pool)
+    Grids gridsOf(const ShadowTask& task, const Pool& pool, FrameArena& arena) const
+    {
+        const std::span<const LightFit> fits = fitLightMap(casters_.clamped, task, kPlainSide, arena);
+        const std::uint32_t needed = std::max(neededLayers(task), 1u); // one, though nothing is looked up there
+        const std::span<PageGrid> grids = arena.array<PageGrid>(static_cast<std::size_t>(std::popcount(needed)));
+        auto next = grids.begin();
+        for (std::uint32_t face = 0; face < fits.size(); ++face)
+            if (needed >> face & 1)
+                std::construct_at(&*next++, fits[face], *task.light, task.view->origin, pool.side - 2 * pool.border,
+                                  pool.border, face);
+        return {fits, grids};
+    }
+
+    static std::uint64_t requestStamp(const ShadowTask& task, const Pool& pool, const Grids& grids)
     {
         const CameraView& view = *task.view;
         Stamp stamp;
         stamp.add(task.light->revision).add(task.casters->staticStamp).add(task.casters->dynamicStamp);
         stamp.add(std::uint64_t{pool.side} << 32 | pool.capacity).add(std::uint64_t{pool.border});
         stamp.add(static_cast<float>(task.settings[kDensity]));
+        for (const PageGrid& grid : grids.seen)
+            stamp.add(std::uint64_t{grid.face()});
         for (const auto word : std::bit_cast<std::array<std::uint32_t, sizeof(view.constants) / 4>>(view.constants))
             stamp.add(std::uint64_t{word});
         stamp.add(std::uint64_t{view.area.extent.width} << 32 | view.area.extent.height);
@@ -239,10 +288,9 @@ private:
         return kept;
     }
 
-    ImageId declarePages(PassBuilder& passes, const ShadowTask& task, const Pool& pool, const PageGrid& grid,
+    ImageId declarePages(PassBuilder& passes, const ShadowTask& task, const Pool& pool, const Grids& grids,
                          std::span<const PlacedPage> pages) const
     {
-        FrameArena& arena = passes.arena();
         KeptMap map(passes, {.name = "virtual_map.pages",
                              .staticsName = "virtual_map.statics",
                              .stampName = "virtual_map.stamp",
@@ -251,10 +299,21 @@ private:
                              .layers = pool.capacity,
                              .form = pool.border,
                              .scope = Scope::task});
+        for (const PageGrid& grid : grids.seen)
+            drawFace(map, passes.arena(), task, pool, grid, pages);
+        map.keepOthers();
+        return map.image();
+    }
+
+    /// Those of the pages that are the grid's.
+    void drawFace(KeptMap& map, FrameArena& arena, const ShadowTask& task, const Pool& pool, const PageGrid& grid,
+                  std::span<const PlacedPage> pages) const
+    {
         const PlacedCasters statics(task.casters->statics, grid, arena);
         const PlacedCasters dynamics(task.casters->dynamics, grid, arena);
         for (const PlacedPage& placed : pages) {
             const Page page = pageOf(placed.key);
+            if (page.face != grid.face()) continue;
             const PlaneRect rect = grid.rectOf(page);
             const LightFit& fit = *arena.make(grid.fitOf(page));
             const LayerContent content = layerContent(*task.light, statics.in(rect, arena), dynamics.in(rect, arena),
@@ -262,8 +321,6 @@ private:
             map.update(placed.slot, placed.evicts ? kEvictingNames : kPageNames, content,
                        DepthCasters(casters_, fit, task, pool.side, arena));
         }
-        map.keepOthers();
-        return map.image();
     }
 
     static BufferId declareTable(PassBuilder& passes, const PageTable& table)
@@ -287,7 +344,8 @@ private:
         const LookupImages look(task, image);
         LookupPass resolve(passes, task, "virtual_map.resolve", look);
         resolve.uses.reads(table);
-        const PipelineId pipeline = resolve_[look.hasNormals][constants.base.map.filterSide > 1.0f];
+        const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
+        const PipelineId pipeline = resolve_[cube][look.hasNormals][constants.base.map.filterSide > 1.0f];
         resolve.record([=, block = &constants](PassContext& gpu) {
             gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                                 gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, table)});
@@ -296,7 +354,7 @@ private:
 
     DepthMapPipelines casters_;
     ContactShadows contact_;
-    PipelineId resolve_[2][2];                     ///< [has normals][filtered]
+    PipelineId resolve_[2][2][2];                  ///< [point light][has normals][filtered]
     std::unordered_map<std::uint64_t, Kept> kept_; ///< By view and light.
 };
 
@@ -305,12 +363,12 @@ private:
 constinit const AlgorithmEntry kVirtualMap{
     .name = "virtual_map",
     .source = "ours; after Tanner, Migdal and Jones 1998",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_HARD_BIT | GN_TRAIT_FIXED_PENUMBRA_BIT |
-              GN_TRAIT_GPU_TRANSFORMS_BIT,
+    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
+              GN_TRAIT_FIXED_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
     .memoryPerLight =
-        [](std::span<const double> settings, VkExtent2D, GnLightType) {
-            const Pool pool = Pool::of(settings);
+        [](std::span<const double> settings, VkExtent2D, GnLightType type) {
+            const Pool pool = Pool::of(settings, type);
             return depthMapMemory(pool.side, pool.capacity) + kBooksMemory;
         },
     .create = makeAlgorithm<VirtualMap>,

@@ -8,14 +8,16 @@
 
 #include "algorithms/maps/page_requests.hpp"
 #include "algorithms/maps/page_slots.hpp"
+#include "algorithms/shared/light_map.hpp"
 #include "maps_fixture.hpp"
+#include "shaders/shared/cube.h"
 
 namespace gnomon::test {
 namespace {
 
 constexpr std::uint32_t kTexels = 120, kBorder = 4;
 
-/// Boxes under one sun or spot light, and a camera among them.
+/// Boxes under one light, and a camera among them.
 struct Town {
     CameraView view;
     LightView lamp;
@@ -24,11 +26,10 @@ struct Town {
     LightCasters casters;
     PageRequests requests;
 
-    explicit Town(Random& random, bool spot = false)
+    explicit Town(Random& random, GnLightType type = GN_LIGHT_TYPE_DIRECTIONAL)
         : view(camera({random.in(-200.0f, 200.0f), random.in(1.0f, 20.0f), random.in(-200.0f, 200.0f)}, random.unit(),
                       random.in(0.2f, 0.6f), 1280, 720)),
-          lamp(light(spot ? GN_LIGHT_TYPE_SPOT : GN_LIGHT_TYPE_DIRECTIONAL,
-                     {random.in(-200.0f, 200.0f), random.in(5.0f, 60.0f), random.in(-200.0f, 200.0f)},
+          lamp(light(type, {random.in(-200.0f, 200.0f), random.in(5.0f, 60.0f), random.in(-200.0f, 200.0f)},
                      glm::normalize(glm::vec3(random.in(-1.0f, 1.0f), -1.0f, random.in(-1.0f, 1.0f))), 300.0f,
                      random.in(0.2f, 1.2f))),
           all(41)
@@ -45,18 +46,34 @@ struct Town {
     }
 
     Aabb bounds() const { return sceneBounds(casters); }
-    LightFit fit() const
-    {
-        return lamp.type == GN_LIGHT_TYPE_SPOT ? fitSpot(lamp, bounds(), 4096, 4.0f) : fitDirectional(lamp, bounds());
-    }
-    PageGrid grid() const { return {fit(), lamp, view.origin, kTexels, kBorder}; }
-    void ask(std::uint32_t capacity, double density = 1.0)
+    ShadowTask task() const
     {
         ShadowTask task;
         task.view = &view;
         task.light = &lamp;
         task.casters = &casters;
-        requests.ask(task, bounds(), grid(), {capacity, density});
+        return task;
+    }
+    LightFit fit(std::uint32_t face = 0) const
+    {
+        return lamp.type == GN_LIGHT_TYPE_SPOT    ? fitSpot(lamp, bounds(), 4096, 4.0f)
+               : lamp.type == GN_LIGHT_TYPE_POINT ? fitCubeFace(lamp, bounds(), face, 4096, 4.0f)
+                                                  : fitDirectional(lamp, bounds());
+    }
+    PageGrid grid(std::uint32_t face = 0) const { return {fit(face), lamp, view.origin, kTexels, kBorder, face}; }
+    void ask(std::uint32_t capacity, double density = 1.0)
+    {
+        std::vector<PageGrid> grids;
+        const std::uint32_t needed = neededLayers(task());
+        for (std::uint32_t face = 0; face < mapLayers(lamp.type); ++face)
+            if (needed >> face & 1) grids.push_back(grid(face));
+        if (grids.empty()) grids.push_back(grid());
+        requests.ask(task(), bounds(), grids, {capacity, density});
+    }
+    /// That a point is looked up in.
+    std::uint32_t faceOf(const glm::vec3& point) const
+    {
+        return lamp.type == GN_LIGHT_TYPE_POINT ? gpu::cubeFaceOf(point - lamp.position()) : 0;
     }
     bool asks(const Page& page) const { return std::ranges::binary_search(requests.pages(), keyOf(page)); }
 };
@@ -69,19 +86,21 @@ double seenAt(const CameraView& view, const glm::vec3& point)
     return static_cast<double>(glm::dot(view.frustum[4].normal, point - view.eye));
 }
 
+constexpr GnLightType kTypes[] = {GN_LIGHT_TYPE_DIRECTIONAL, GN_LIGHT_TYPE_SPOT, GN_LIGHT_TYPE_POINT};
+
 } // namespace
 
-TEST_CASE("a number is one page, and numbers are in the order of level, row and column")
+TEST_CASE("a number is one page, and numbers are in the order of level, face, row and column")
 {
     Random random;
     Page before{};
     for (int i = 0; i < 1000; ++i) {
         const auto any = [&](float most) { return static_cast<int>(random.in(-most, most)); };
-        const Page page{any(40.0f), any(1e8f), any(1e8f)};
+        const Page page{any(40.0f), any(6e7f), any(6e7f), static_cast<std::uint32_t>(random.in(0.0f, 5.99f))};
+        const auto orderOf = [](const Page& p) { return std::tie(p.level, p.face, p.y, p.x); };
         const Page back = pageOf(keyOf(page));
-        CHECK(std::tie(back.level, back.y, back.x) == std::tie(page.level, page.y, page.x));
-        CHECK((keyOf(before) < keyOf(page)) ==
-              (std::tie(before.level, before.y, before.x) < std::tie(page.level, page.y, page.x)));
+        CHECK(orderOf(back) == orderOf(page));
+        CHECK((keyOf(before) < keyOf(page)) == (orderOf(before) < orderOf(page)));
         before = page;
     }
 }
@@ -117,19 +136,21 @@ TEST_CASE("a page stays where it is in the world, and what is drawn into it is i
 TEST_CASE("where there is room, each point of a caster in sight has a page whose texels are no wider than pixels there")
 {
     Random random;
-    for (const bool spot : {false, true}) {
-        CAPTURE(spot);
+    for (const GnLightType type : kTypes) {
+        CAPTURE(type);
         int points = 0;
         for (int i = 0; i < 100; ++i) {
-            Town town(random, spot);
-            town.ask(3000);
-            const PageGrid grid = town.grid();
+            Town town(random, type);
+            town.ask(6000);
+            CHECK(town.requests.withoutRoom() == 0);
             for (int j = 0; j < 400; ++j) {
                 const Caster& caster = town.all[static_cast<std::size_t>(j) % town.all.size()];
                 const glm::vec3 share(random.in(0.0f, 1.0f), random.in(0.0f, 1.0f), random.in(0.0f, 1.0f));
                 const glm::vec3 point = caster.bounds.lower + share * (caster.bounds.upper - caster.bounds.lower);
                 const double distance = seenAt(town.view, point);
                 if (distance < 1.0) continue; // what holds the eye asks from 1 m on
+                if (type == GN_LIGHT_TYPE_POINT && glm::distance(point, town.lamp.position()) > 300.0f) continue;
+                const PageGrid grid = town.grid(town.faceOf(point));
                 const double depth = glm::dot(grid.depth(), glm::dvec4(glm::dvec3(point), 1.0));
                 if (depth < grid.nearest()) continue;
                 const glm::dvec2 place = grid.placeOf(glm::dvec3(point));
@@ -145,11 +166,27 @@ TEST_CASE("where there is room, each point of a caster in sight has a page whose
                 const PageRect page = grid.pagesIn({place, place}, level);
                 CAPTURE(distance);
                 CAPTURE(depth);
-                REQUIRE(town.asks({level, page.low.x, page.low.y}));
+                REQUIRE(town.asks(grid.page(level, page.low.x, page.low.y)));
                 ++points;
             }
         }
-        CHECK(points > (spot ? 300 : 2000));
+        CHECK(points > (type == GN_LIGHT_TYPE_SPOT ? 300 : 2000));
+    }
+}
+
+TEST_CASE("faces of a point light that no receiver in view lies in take no page")
+{
+    Random random;
+    for (int i = 0; i < 60; ++i) {
+        const auto seen = static_cast<std::uint32_t>(i % 6);
+        glm::vec3 ahead(0.0f);
+        ahead[seen / 2] = seen % 2 ? -1.0f : 1.0f;
+        Town town(random, GN_LIGHT_TYPE_POINT);
+        town.view = camera(town.lamp.position() + 0.1f * ahead, ahead, 0.3f, 1280, 720); // 34 degrees to either side
+        town.ask(256);
+        REQUIRE(!town.requests.pages().empty());
+        for (const PageKey page : town.requests.pages())
+            CHECK(pageOf(page).face == seen);
     }
 }
 
@@ -157,16 +194,26 @@ TEST_CASE("no more pages are asked than there is room for, the coarsest level al
 {
     Random random;
     int tight = 0, loose = 0;
-    for (int i = 0; i < 200; ++i) {
-        Town town(random);
-        const std::uint32_t capacity = 4u << (i % 7); // to 256
+    for (int i = 0; i < 300; ++i) {
+        const GnLightType type = i < 200 ? GN_LIGHT_TYPE_DIRECTIONAL : GN_LIGHT_TYPE_POINT;
+        Town town(random, type);
+        const std::uint32_t capacity = std::max(4u << (i % 7), mapLayers(type)); // to 256
         town.ask(capacity, i % 2 ? 1.0 : 4.0);
         const PageRequests& asked = town.requests;
         CHECK(asked.pages().size() <= capacity);
         CHECK(std::ranges::is_sorted(asked.pages()));
         CHECK(std::ranges::adjacent_find(asked.pages()) == asked.pages().end());
+        const std::uint32_t needed = neededLayers(town.task());
+        for (std::uint32_t face = 0; type == GN_LIGHT_TYPE_POINT && face < 6; ++face) {
+            if ((needed >> face & 1) == 0) continue;
+            const PageGrid grid = town.grid(face);
+            const PageRect rect = grid.pagesIn(grid.all(), asked.coarsest());
+            CHECK(town.asks(grid.page(asked.coarsest(), rect.low.x, rect.low.y)));
+            CHECK(town.asks(grid.page(asked.coarsest(), rect.high.x, rect.high.y)));
+        }
         const PageGrid grid = town.grid();
         for (const Caster& caster : town.all) {
+            if (type == GN_LIGHT_TYPE_POINT) break;
             const PageRect rect = grid.pagesIn(grid.rectOf(caster.bounds), asked.coarsest());
             CHECK(town.asks({asked.coarsest(), rect.low.x, rect.low.y}));
             CHECK(town.asks({asked.coarsest(), rect.high.x, rect.high.y}));
@@ -180,7 +227,8 @@ TEST_CASE("no more pages are asked than there is room for, the coarsest level al
             most = std::max(most, step);
         }
         if (least <= most) CHECK(most <= least + 2); // some near slices have a part of a finer level
-        (most > 0 ? tight : loose) += 1;
+        if (asked.withoutRoom() == 0 && least <= most) CHECK(most == least); // what a slice's rows do not hold
+        (asked.withoutRoom() > 0 ? tight : loose) += 1;
     }
     CHECK(tight > 20);
     CHECK(loose > 20);

@@ -16,6 +16,16 @@ uint32_t pagesDrawn(const Host& host)
     return host.passCount("virtual_map.page") + host.passCount("virtual_map.page_evicting");
 }
 
+/// The same under a lamp among the posts.
+Scene lampLand()
+{
+    Scene scene = land();
+    scene.lights[0].kind = demo::LightKind::Point;
+    scene.lights[0].position = glm::dvec3(2.0, 3.0, 1.0);
+    scene.lights[0].range = 60.0f;
+    return scene;
+}
+
 /// A host whose pool has so many texels a side.
 void pinWith(Host& host, double resolution)
 {
@@ -28,25 +38,56 @@ void pinWith(Host& host, double resolution)
 TEST_CASE_FIXTURE(DeviceTest, "a camera that stands still over casters that do draws no page, submitted or recorded")
 {
     for (const Call call : {Call::submit, Call::record}) {
-        CAPTURE(call == Call::record);
-        Host host(land());
-        pinWith(host, 1024.0);
-        host.require(host.draw({.call = call}));
-        const uint32_t first = pagesDrawn(host);
-        CHECK(first > 20);
-        CHECK(first <= 256);
-        const std::vector<Image8> shown = host.pictures();
-        CHECK(dark(shown[0]) > 100);
-        for (int frame = 0; frame < 3; ++frame) {
+        for (const Scene& scene : {land(), lampLand()}) {
+            CAPTURE(call == Call::record);
+            CAPTURE(scene.lights[0].kind == demo::LightKind::Point);
+            Host host(scene);
+            pinWith(host, 1024.0);
             host.require(host.draw({.call = call}));
-            CHECK(pagesDrawn(host) == 0);
-            CHECK(host.passCount("virtual_map.statics") == 0);
-            CHECK(host.passCount("virtual_map.table") == 0);
-            CHECK(host.stats().passesKept == first);
-            if (frame > 1) CHECK(host.stats().deviceAllocations == 0);
-            CHECK(differences(host.pictures(), shown) == 0);
+            const uint32_t first = pagesDrawn(host);
+            CHECK(first > 20);
+            CHECK(first <= 256);
+            const std::vector<Image8> shown = host.pictures();
+            CHECK(dark(shown[0]) > 100);
+            for (int frame = 0; frame < 3; ++frame) {
+                host.require(host.draw({.call = call}));
+                CHECK(pagesDrawn(host) == 0);
+                CHECK(host.passCount("virtual_map.statics") == 0);
+                CHECK(host.passCount("virtual_map.table") == 0);
+                CHECK(host.stats().passesKept == first);
+                if (frame > 1) CHECK(host.stats().deviceAllocations == 0);
+                CHECK(differences(host.pictures(), shown) == 0);
+            }
         }
     }
+}
+
+// The lamp is in sight, and beside and behind the eye, so that receivers lie in all faces and across their borders.
+TEST_CASE_FIXTURE(DeviceTest, "a lamp's pages are wrong on fewer pixels than six faces of 1.5 times their memory")
+{
+    const auto drawn = [](Host& host, const char* method, const char* setting, double value) {
+        if (setting) host.require(gnSetMethodSetting(host.context, method, setting, value));
+        host.pinAll(method);
+        host.require(host.draw());
+        return host.pictures();
+    };
+    size_t faces = 0, pages = 0, shadows = 0;
+    for (const glm::dvec3& position :
+         {glm::dvec3(2.0, 3.0, 1.0), glm::dvec3(-4.0, 2.5, 3.0), glm::dvec3(1.0, 4.0, 12.0)}) {
+        Scene scene = lampLand();
+        scene.lights[0].position = position;
+        Host host(scene);
+        const std::vector<Image8> truth = drawn(host, "ray_traced", nullptr, 0.0);
+        const size_t six = differences(drawn(host, "cube_map", "resolution", 512.0), truth),
+                     own = differences(drawn(host, kMethod, "resolution", 1024.0), truth);
+        MESSAGE("lamp at " << position.x << ", " << position.y << ", " << position.z << ": of " << dark(truth[0])
+                           << " dark pixels cube_map differs on " << six << ", pages on " << own);
+        faces += six;
+        pages += own;
+        shadows += dark(truth[0]);
+    }
+    CHECK(shadows > 5'000);
+    CHECK(pages < faces);
 }
 
 TEST_CASE_FIXTURE(DeviceTest, "a caster that moves has its own pages drawn, and nothing that stands still")
@@ -98,23 +139,50 @@ TEST_CASE_FIXTURE(DeviceTest, "a walk draws a page or two a step, makes old page
     CHECK(evicted <= drawn);
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "pages that make way and pages without room are counted, and neither where all fit")
+{
+    for (const Scene& scene : {land(), lampLand()}) {
+        CAPTURE(scene.lights[0].kind == demo::LightKind::Point);
+        Host tight(scene), roomy(scene, {.extent = {64, 36}});
+        pinWith(tight, 256.0);  // 64 pages
+        pinWith(roomy, 2048.0); // 256
+        uint32_t evicted = 0, drawn = 0;
+        for (int frame = 0; frame < 8; ++frame) {
+            std::vector<CameraState> cameras{walked(scene, 0.5 * frame)};
+            tight.require(tight.draw({.cameras = &cameras}));
+            CHECK(tight.stats().pagesEvicted == tight.passCount("virtual_map.page_evicting"));
+            CHECK(tight.stats().pagesWithoutRoom > 0);
+            evicted += tight.stats().pagesEvicted;
+            roomy.require(roomy.draw({.cameras = &cameras}));
+            CHECK(roomy.stats().pagesEvicted == 0);
+            CHECK(roomy.stats().pagesWithoutRoom == 0);
+            drawn += pagesDrawn(roomy);
+        }
+        MESSAGE(evicted << " pages made way for others; where all fit " << drawn << " were drawn");
+        CHECK(evicted > 0);
+        CHECK(drawn > 20);
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "after walks, turns and moves, kept pages show what new ones do, bit for bit")
 {
-    Scene scene = land();
-    scene.instances[1].isStatic = false;
-    Host kept(scene);
-    pinWith(kept, 512.0);
-    std::vector<CameraState> cameras{walked(scene, 0.0)};
-    for (int frame = 1; frame <= 24; ++frame) {
-        cameras[0] = walked(scene, frame < 12 ? 0.3 * frame : 0.3 * (24 - frame));
-        cameras[0].target.x += 0.2 * (frame % 5);
-        if (frame % 3 == 0) kept.scene.instances[1].pose.position.x += 0.07;
-        kept.require(kept.draw({.cameras = &cameras}));
-        if (frame % 8 != 0) continue;
-        Host fresh(kept.scene);
-        pinWith(fresh, 512.0);
-        fresh.require(fresh.draw({.cameras = &cameras}));
-        CHECK(differences(kept.pictures(), fresh.pictures()) == 0);
+    for (Scene scene : {land(), lampLand()}) {
+        CAPTURE(scene.lights[0].kind == demo::LightKind::Point);
+        scene.instances[1].isStatic = false;
+        Host kept(scene);
+        pinWith(kept, 512.0);
+        std::vector<CameraState> cameras{walked(scene, 0.0)};
+        for (int frame = 1; frame <= 24; ++frame) {
+            cameras[0] = walked(scene, frame < 12 ? 0.3 * frame : 0.3 * (24 - frame));
+            cameras[0].target.x += 0.2 * (frame % 5);
+            if (frame % 3 == 0) kept.scene.instances[1].pose.position.x += 0.07;
+            kept.require(kept.draw({.cameras = &cameras}));
+            if (frame % 8 != 0) continue;
+            Host fresh(kept.scene);
+            pinWith(fresh, 512.0);
+            fresh.require(fresh.draw({.cameras = &cameras}));
+            CHECK(differences(kept.pictures(), fresh.pictures()) == 0);
+        }
     }
 }
 
@@ -132,32 +200,36 @@ TEST_CASE_FIXTURE(DeviceTest, "a frame that is dropped leaves the pages as they 
     CHECK(pagesDrawn(host) == 0);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "64 suns hold the memory predicted for them, each its own shadows")
+TEST_CASE_FIXTURE(DeviceTest, "64 suns or lamps hold the memory predicted for them, each its own shadows")
 {
-    Scene scene = land();
-    const demo::Light sun = scene.lights[0];
-    scene.lights.clear();
-    for (int i = 0; i < 64; ++i) {
-        demo::Light& light = scene.lights.emplace_back(sun);
-        light.name = "sun " + std::to_string(i);
-        light.direction = glm::normalize(glm::dvec3(std::cos(0.1 * i), -1.0, std::sin(0.1 * i)));
+    for (Scene scene : {land(), lampLand()}) {
+        const demo::Light light = scene.lights[0];
+        CAPTURE(light.kind == demo::LightKind::Point);
+        scene.lights.clear();
+        for (int i = 0; i < 64; ++i) {
+            demo::Light& each = scene.lights.emplace_back(light);
+            each.name = "light " + std::to_string(i);
+            const glm::dvec3 beside(std::cos(0.1 * i), -1.0, std::sin(0.1 * i));
+            each.direction = glm::normalize(beside);
+            each.position -= 2.0 * beside;
+        }
+        Host host(scene, {.extent = {96, 64}, .maxLights = 64});
+        host.require(host.draw());
+        const VkDeviceSize before = host.stats().memory;
+        pinWith(host, 128.0); // 16 pages
+        host.draw(2, {});
+        const VkDeviceSize held = host.stats().memory - before;
+        MESSAGE("64 pools of 16 pages: " << held / 1024 << " KiB");
+        CHECK(held <= 64u * (128u * 128u * 8u + (512u << 10)));
+        uint32_t shadows = 0;
+        for (const Image8& picture : host.pictures())
+            shadows += dark(picture) > 10;
+        CHECK(shadows == 64);
+        std::vector<CameraState> cameras{walked(scene, 6.0)};
+        host.require(host.draw({.cameras = &cameras}));
+        CHECK(host.stats().pagesEvicted > 64);
+        CHECK(host.stats().memory - before <= 64u * (128u * 128u * 8u + (512u << 10)));
     }
-    Host host(scene, {.extent = {96, 64}, .maxLights = 64});
-    host.require(host.draw());
-    const VkDeviceSize before = host.stats().memory;
-    pinWith(host, 128.0); // 16 pages
-    host.draw(2, {});
-    const VkDeviceSize held = host.stats().memory - before;
-    MESSAGE("64 pools of 16 pages: " << held / 1024 << " KiB");
-    CHECK(held <= 64u * (128u * 128u * 8u + (512u << 10)));
-    uint32_t shadows = 0;
-    for (const Image8& picture : host.pictures())
-        shadows += dark(picture) > 10;
-    CHECK(shadows == 64);
-    std::vector<CameraState> cameras{walked(scene, 6.0)};
-    host.require(host.draw({.cameras = &cameras}));
-    CHECK(host.passCount("virtual_map.page_evicting") > 64);
-    CHECK(host.stats().memory - before <= 64u * (128u * 128u * 8u + (512u << 10)));
 }
 
 } // namespace gnomon::test
