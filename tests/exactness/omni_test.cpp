@@ -280,6 +280,39 @@ TEST_CASE("maps of point lights that are warped are less wrong than plain ones, 
     }
 }
 
+// Pages end where faces meet; what filters read beyond is of the face's own projection.
+TEST_CASE("a point light's pages are less wrong than six faces of the same memory, and no more where faces meet")
+{
+    const test::DeviceTest silence;
+    for (const double filter : {1.0, 5.0}) {
+        CAPTURE(filter);
+        ErrorCount faces, facesBeside, pages, pagesBeside;
+        for (const std::string name : {"colonnade", "bunny"}) {
+            for (const Lamp& lamp :
+                 {Lamp{{0.0, 1.0, -6.0}, 20.0f}, Lamp{{-3.0, 2.0, 2.0}, 24.0f}, Lamp{{3.0, 0.5, -9.0}, 20.0f}}) {
+                Stage stage(underLamp(name, lamp), kSize);
+                const std::vector<uint8_t> beside = besideBorders(stage, 0.0, 0.05);
+                const Pictures six = stage.draw("cube_map", {{"resolution", 418.0}, {"filter", filter}});
+                const Pictures own = stage.draw("virtual_map", {{"resolution", 1024.0}, {"filter", filter}});
+                MESSAGE(name << ", filter " << filter << ": cube_map " << inWords(pooled(stage, six))
+                             << ", virtual_map " << inWords(pooled(stage, own)));
+                faces += pooled(stage, six);
+                pages += pooled(stage, own);
+                facesBeside += demo::compare(six[0], stage.truth[0], beside);
+                pagesBeside += demo::compare(own[0], stage.truth[0], beside);
+            }
+        }
+        MESSAGE("filter " << filter << ": virtual_map " << inWords(pages) << " of cube_map's " << inWords(faces)
+                          << ", beside borders " << inWords(pagesBeside) << " of " << inWords(facesBeside));
+        CHECK(pages.counted == faces.counted);
+        CHECK(pagesBeside.counted > 10'000);
+        CHECK(pages.wrong() < faces.wrong());
+        CHECK(pagesBeside.percent(pagesBeside.wrong()) <= 1.5 * pages.percent(pages.wrong())); // as cube_map
+        CHECK(pages.meanAbsolute() < faces.meanAbsolute());
+        CHECK(pagesBeside.meanAbsolute() <= 1.5 * pages.meanAbsolute());
+    }
+}
+
 TEST_CASE("a warped map is drawn once while view, light and casters stand still")
 {
     const test::DeviceTest silence;
