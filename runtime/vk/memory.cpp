@@ -13,10 +13,12 @@ constexpr VkDeviceSize kMiB = 1u << 20;
 // Large enough that a frame's maps share few allocations, small enough to give back. Under a small limit an eighth of
 // it, so that images, buffers and both kinds of host-visible memory get a block each.
 constexpr VkDeviceSize kBlockSize = 64 * kMiB;
+// Some drivers align images to 64 KiB: a smaller block would never hold two.
+constexpr VkDeviceSize kLeastBlock = 64 * 1024;
 
 VkDeviceSize blockSizeFor(VkDeviceSize limit)
 {
-    return std::clamp(limit / 8, std::min(limit, kMiB), kBlockSize);
+    return std::clamp(limit / 8, std::min(limit, kLeastBlock), kBlockSize);
 }
 
 /// "24 MiB"; small sizes in KiB. Rounded up for what is needed, down for what is left.

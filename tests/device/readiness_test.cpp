@@ -351,6 +351,24 @@ TEST_CASE_FIXTURE(DeviceTest, "with hardly any memory the frame is lit or refuse
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest,
+                  "a megabyte is enough for a small view with a small map, also after a map that did not fit")
+{
+    Host host(smallScene(),
+              {.extent = {160, 90}, .maxLights = 1, .warmUp = false, .context = [](GnContextCreateInfo& info) {
+                   info.memoryLimit = 1u << 20;
+               }});
+    host.require(gnWarmUpMethod(host.context, "shadow_map"));
+    host.pin(0, "shadow_map"); // 4 MiB
+    host.draw(3, {});
+    CHECK(host.decision(0).reason == GN_REASON_NOTHING_READY);
+    host.require(gnSetMethodSetting(host.context, "shadow_map", "resolution", 64));
+    host.draw(3, {});
+    CHECK(host.decision(0).reason == GN_REASON_PINNED);
+    CHECK(dark(host.pictures()[0]) > 100);
+    CHECK(host.stats().memory <= 1u << 20);
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "timings of a timed frame name every pass, two frames later")
 {
     Host host(smallScene());

@@ -177,6 +177,25 @@ TEST_CASE("device memory never exceeds the limit, and an empty block makes way f
     }
 }
 
+TEST_CASE("under a small limit a small buffer leaves room for images, and for memory that the host reads")
+{
+    for (const VkDeviceSize limit : {kMiB, 4 * kMiB, 7 * kMiB}) {
+        CAPTURE(limit);
+        StubVulkan stub;
+        setDiscrete(stub, 8192 * kMiB);
+        DeviceMemory memory(stub.table, limit, {});
+        GpuBuffer vertices = makeBuffer(memory, 1000), constants = makeBuffer(memory, 1000, MemoryUse::upload),
+                  results = makeBuffer(memory, 1000, MemoryUse::readback);
+        Result<GpuImage> map = memory.createImage(
+            {.format = VK_FORMAT_R32_SFLOAT, .extent = {256, 256}, .usage = VK_IMAGE_USAGE_SAMPLED_BIT});
+        REQUIRE(map); // 256 KiB
+        CHECK(stub.liveBytes() <= limit);
+        memory.destroy(*map);
+        for (GpuBuffer* buffer : {&vertices, &constants, &results})
+            memory.destroy(*buffer);
+    }
+}
+
 TEST_CASE("a hole is filled again, without new memory and at the same place")
 {
     StubVulkan stub;
