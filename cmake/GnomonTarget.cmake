@@ -26,7 +26,7 @@ if(GNOMON_PRECOMPILE_HEADERS)
     set_property(TARGET gnomon_precompiled_library PROPERTY POSITION_INDEPENDENT_CODE ON)
     target_compile_options(gnomon_precompiled_program PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # which takes precompiled functions of std::string for ours
-        target_compile_options(gnomon_flags INTERFACE -Wno-array-bounds -Wno-stringop-overflow)
+        target_compile_options(gnomon_flags INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
     endif()
 endif()
 
