@@ -9,7 +9,7 @@ target_compile_options(gnomon_flags INTERFACE
     $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>
     $<$<BOOL:${GNOMON_ASSERTIONS}>:-UNDEBUG>) # after the build type's -DNDEBUG
 
-# Headers of the standard library that most sources include. Parsing them is a third of what a source takes to compile.
+# Headers of the standard library that most sources include. Parsing them is a quarter to a half of what a source takes.
 # One form of them for libraries, and one for programs, whose code is position-independent in another way.
 if(GNOMON_PRECOMPILE_HEADERS)
     file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cpp" CONTENT "")

@@ -9,7 +9,7 @@ namespace {
 
 // Five times what Windows gives a GPU before it resets it (TdrDelay, 2 s: Microsoft, "TDR Registry Keys").
 constexpr std::uint64_t kDefaultLimitMs = 10'000;
-// Lavapipe compiled one shader of ours for 10 to 15 s beside twenty busy threads on two cores, 0.5 s alone.
+// Lavapipe compiled one shader of ours for more than the 10 s above, on two cores at a load of 15 to 25.
 constexpr std::uint64_t kDefaultOnceLimitMs = 60'000;
 // Progress is looked at this often. Waits are counted by such pieces, not by the clock: a process that a debugger stops
 // for an hour has waited for one of them.
