@@ -20,9 +20,6 @@ namespace {
 constexpr VkFormat kDepthFormat = VK_FORMAT_D32_SFLOAT;
 constexpr VkFormat kNormalFormat = VK_FORMAT_R16G16B16A16_SFLOAT;
 
-// The normal target carries the instance number in a half float, which counts to here without gaps.
-constexpr size_t kMaxInstances = 2048;
-
 Image makeSingle(const Device& device, VkFormat format, VkExtent2D extent, VkImageUsageFlags usage)
 {
     return makeImage(device, {.format = format, .extent = extent, .usage = usage});
@@ -67,8 +64,9 @@ Renderer::Renderer(const Device& device, const Scene& scene, const SceneGeometry
     : device_(device), scene_(scene), geometry_(geometry), options_(options), extent_(options.extent),
       sampler_(makeNearestSampler(device)), timeline_(makeTimeline(device)), readback_(device)
 {
-    if (scene.instances.size() > kMaxInstances)
-        throw HostError("scene '" + scene.name + "' has more than 2048 instances");
+    if (scene.instances.size() > gpu::MAX_DEMO_INSTANCES)
+        throw HostError("scene '" + scene.name + "' has more than " + std::to_string(gpu::MAX_DEMO_INSTANCES) +
+                        " instances");
     if (options.maxLights > gpu::MAX_DEMO_LIGHTS) throw HostError("the demo's lighting pass takes at most 256 lights");
     views_.resize(options.viewCount);
     slots_.resize(options.framesInFlight);

@@ -10,6 +10,9 @@ GN_SHARED_CONST uint LIGHT_TILES = 16u;        // of the screen, a side
 GN_SHARED_CONST uint LIGHT_TILE_WORDS = 8u;    // a bit for each light
 GN_SHARED_CONST uint ERROR_COUNTS = 64u;       // that pixels add to in turn
 GN_SHARED_CONST uint MAX_MAP_LAYERS = 6u;      // of GnLightMap
+// The normal target carries an instance's number in a half float, by its bits: those of the positive normal numbers.
+GN_SHARED_CONST uint FIRST_INSTANCE_HALF = 0x0400u;
+GN_SHARED_CONST uint MAX_DEMO_INSTANCES = 0x7c00u - FIRST_INSTANCE_HALF;
 
 struct DemoInstance {
     vec4 worldFromObject[3]; // rows; translation relative to the eye, metres

@@ -89,7 +89,7 @@ void main()
 #endif
         }
     }
-    vec3 albedo = instances[uint(normalAndInstance.w + 0.5)].albedo.rgb;
+    vec3 albedo = instances[instanceOfHalf(normalAndInstance.w)].albedo.rgb;
     colour = vec4(encodeSrgb(film(albedo * light)), 1.0);
 #ifdef GNOMON_ERROR_VIEW
     colour = marked(colour.rgb, error);

@@ -9,7 +9,7 @@ layout(constant_id = 0) const bool kAlphaTested = false;
 
 layout(location = 0) flat in uint instanceIndex;
 layout(location = 1) in vec3 alphaPosition;
-layout(location = 0) out vec4 normalAndInstance; // half floats count to 2048 exactly
+layout(location = 0) out vec4 normalAndInstance;
 
 void main()
 {
@@ -18,5 +18,5 @@ void main()
     vec3 normal = vec3(dot(instances[instanceIndex].cofactors[0].xyz, n),
                        dot(instances[instanceIndex].cofactors[1].xyz, n),
                        dot(instances[instanceIndex].cofactors[2].xyz, n));
-    normalAndInstance = vec4(normalize(gl_FrontFacing ? normal : -normal), float(instanceIndex));
+    normalAndInstance = vec4(normalize(gl_FrontFacing ? normal : -normal), instanceAsHalf(instanceIndex));
 }
