@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 
+#include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/host_visibility.hpp"
 #include "algorithms/volumes/light_spans.hpp"
 
@@ -20,9 +21,14 @@ namespace {
 
 enum Setting { kRows };
 
+constexpr std::uint32_t kMostRows = 4096; // of a caster
 constexpr SettingSpec kSettings[] = {
-    {"rows", "Rows of a caster's table, over what it covers of theta.", 16, 4096, 300},
+    {"rows", "Rows of a caster's table, over what it covers of theta.", 16, kMostRows, 300},
 };
+
+// Rows of all tables of a light. Those of boxes take some 95 bytes each, and two cores make some three million a
+// second (angular_spans.md): 100 MB, and a third of a second.
+constexpr std::size_t kMostRowsOfLight = std::size_t{1} << 20;
 
 constexpr std::uint32_t kTile =
     16; // pixels a side: a hundred casters are left out by their extents once per 256 pixels
@@ -198,7 +204,6 @@ void AngularSpans::declare(PassBuilder& passes, const ShadowTask& task)
     if (job.spans->stamp() == LightSpans::stampOf(*task.light, job.casters, rows)) {
         passes.kept();
     } else {
-        constexpr std::uint32_t kMostRows = 4096; // of kSettings
         const std::uint32_t variant = instance_ * (kMostRows + 1) + rows;
         passes.prepare("angular_spans.table", Scope::light, variant).run([job](HostContext& host) {
             for (std::uint32_t i = job.spans->update(*job.light, job.casters, job.rows, *host.jobs, *host.arena); i > 0;
@@ -214,11 +219,15 @@ void AngularSpans::declare(PassBuilder& passes, const ShadowTask& task)
 
 const char* AngularSpans::refuses(const ShadowTask& task) const
 {
+    std::size_t tables = 0;
     for (const Caster* caster : task.casters->all) {
         if (caster->alphaTested && !caster->mayBeMissed) return "alpha-tested casters in range";
         if (caster->mesh && !caster->alphaTested && !caster->mesh->topology)
             return "topology of a caster is not built yet";
+        tables += castsVolume(*caster);
     }
+    if (tables * static_cast<std::size_t>(task.settings[kRows]) > kMostRowsOfLight)
+        return "casters in range times rows are more than 1048576";
     return nullptr;
 }
 

@@ -12,6 +12,8 @@ namespace {
 // Lights not asked for in this many questions are forgotten: some hundred frames of many lights.
 constexpr std::uint64_t kForgetAfter = 4096;
 
+constexpr std::size_t kScratchBlock = 1u << 16; // a box at 300 rows takes some 50 kB
+
 } // namespace
 
 std::uint64_t LightSpans::stampOf(const LightView& light, std::span<const Caster* const> casters, std::uint32_t rows)
@@ -57,10 +59,14 @@ std::uint32_t LightSpans::update(const LightView& light, std::span<const Caster*
     }
     keepSpares();
     std::sort(entries_.begin(), entries_.end(), [](const auto& a, const auto& b) { return a->caster < b->caster; });
-    jobs.parallelFor(count, 1, [&](std::size_t begin, std::size_t end, std::uint32_t) {
+    scratch_.resize(jobs.threadCount());
+    jobs.parallelFor(count, 1, [&](std::size_t begin, std::size_t end, std::uint32_t thread) {
+        std::unique_ptr<FrameArena>& scratch = scratch_[thread];
+        if (!scratch) scratch = std::make_unique<FrameArena>(kScratchBlock);
         for (std::size_t i = begin; i < end; ++i) {
+            scratch->reset();
             made[i]->revision = 0;
-            made[i]->spans.build(space_, light, *stale[i], rows, arena);
+            made[i]->spans.build(space_, light, *stale[i], rows, *scratch);
             made[i]->revision = stale[i]->revision;
         }
     });

@@ -41,6 +41,8 @@ private:
     std::vector<std::unique_ptr<Entry>> old_;     ///< Those of before, while entries_ is made; empty otherwise.
     /// Of casters that left, no more than there are entries: one that comes and goes allocates nothing.
     std::vector<std::unique_ptr<Entry>> spares_;
+    /// What a table needs while it is made, a thread each: as large as the largest caster's, not as all together.
+    std::vector<std::unique_ptr<FrameArena>> scratch_;
 };
 
 /// Finds a light's tables again. One thread; what it gives stays in place while it is asked for.

@@ -129,3 +129,28 @@ TEST_CASE_FIXTURE(DeviceTest, "it serves no recorded frame, and no caster that i
     CHECK(std::string(holes.decision(0).pMethod) != kSpans);
     CHECK(holes.explanation(0).find("alpha-tested casters in range") != std::string::npos);
 }
+
+TEST_CASE_FIXTURE(DeviceTest, "a light whose tables would have more rows than a million is served by another method")
+{
+    Scene scene = litBy(demo::LightKind::Spot);
+    const size_t few = scene.instances.size();
+    for (int i = 0; i < 256; ++i) {
+        demo::Instance crate = scene.instances[1];
+        crate.name = "crate" + std::to_string(i);
+        crate.pose.position = {0.1 * (i % 16) - 0.8, 1.5, 0.1 * (i / 16) - 0.8};
+        crate.pose.scale = glm::dvec3(0.03);
+        scene.instances.push_back(crate);
+    }
+    REQUIRE(few >= 2); // so that there are more than 256 casters
+    Host host(scene);
+    host.warm("ray_traced");
+    host.pinAll(kSpans);
+    host.require(gnSetMethodSetting(host.context, kSpans, "rows", 4096.0));
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) != kSpans);
+    CHECK(host.explanation(0).find("casters in range times rows are more than 1048576") != std::string::npos);
+    host.require(gnSetMethodSetting(host.context, kSpans, "rows", 300.0));
+    host.require(host.draw());
+    CHECK(std::string(host.decision(0).pMethod) == kSpans);
+    CHECK(host.stats().indexListsBuilt >= 256);
+}
