@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "shaders/demo/frame.h"
+
 namespace gnomon::demo {
 namespace {
 
@@ -89,6 +91,30 @@ TEST_CASE("a million metres from the origin the picture is the same")
     for (size_t i = 0; i < a.texels.size(); ++i)
         differing += std::abs(int(a.texels[i]) - int(b.texels[i])) > 2;
     CHECK(differing < a.texels.size() / 500); // doubles at 10^6 keep 10^-10 m; only edge pixels may flip
+    checkSilence();
+}
+
+TEST_CASE("each of 30 720 instances has its own colour, and one more is an error that names the limit")
+{
+    Scene few = boxOnFloor();
+    few.instances[1].albedo = {0.9f, 0.1f, 0.1f};
+    Scene many = few;
+    Instance behind = few.instances[1];
+    behind.albedo = {0.1f, 0.1f, 0.9f};
+    behind.pose.position.z = 300.0; // the eye and the lamp
+    many.instances.insert(many.instances.begin(), gpu::MAX_DEMO_INSTANCES - 2, behind);
+    Session fewSession(testDevice(), few, {}), manySession(testDevice(), many, {});
+    drawFrame(fewSession);
+    drawFrame(manySession);
+    const Image8 a = fewSession.renderer.readColour(), b = manySession.renderer.readColour();
+    CHECK(a.texels == b.texels);
+    size_t red = 0;
+    for (size_t i = 0; i < a.texels.size(); i += 4)
+        red += a.texels[i] > 2 * a.texels[i + 2];
+    CHECK(red > 100);
+    many.instances.push_back(behind);
+    CHECK_THROWS_WITH_AS(Session(testDevice(), many, {}), "scene 'box on floor' has more than 30720 instances",
+                         HostError);
     checkSilence();
 }
 
