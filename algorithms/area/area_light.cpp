@@ -102,14 +102,12 @@ void AreaLight::addUp(PassBuilder& passes, const ShadowTask& task, const PointMa
                       std::uint32_t first, const gpu::AreaConstants* constants) const
 {
     const LookupImages look(task, maps.image);
-    const VkRect2D pixels = lightPixels(*task.light, *task.view), &area = task.view->area;
+    const VkRect2D pixels = lightPixels(*task.light, *task.view);
     PassRef pass = passes.raster("area_light.sum", Scope::task, first);
     look.uses(pass);
-    pass.writes(sums, {.clear = first == 0, .blend = true})
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
+    pass.writes(sums, {.clear = first == 0, .blend = true}).area(drawnArea(*task.view));
     pass.record([=, pipeline = sum_.of[look.hasNormals]](PassContext& gpu) {
-        if (pixels.extent.width == 0) return;
-        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+        if (!gpu.clipTo(pixels)) return;
         gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                             gpu.sampled(4, look.map, SamplerKind::nearestBorderFar)});
         gpu.drawFullscreen();

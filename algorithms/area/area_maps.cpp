@@ -55,13 +55,13 @@ PointLookups makePointLookups(const AlgorithmServices& services, const char* nam
     std::array<BindingInfo, 5> bindings{};
     const std::array lookup = lookupBindings(true);
     std::copy(lookup.begin(), lookup.end(), bindings.begin());
-    bindings[4] = {.binding = 5, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16_SFLOAT};
+    bindings[4] = sampledAt(5, VK_FORMAT_R16_SFLOAT);
     GraphicsPipelineInfo info{.name = name,
                               .vertex = {.code = k_shared_map_resolve_vert},
                               .fragment = {.code = fragment, .specializationCount = 1},
-                              .bindings = std::span(bindings).first(sums ? 5 : 4)};
-    info.blendScale = blend;
-    info.colorFormat = format;
+                              .bindings = std::span(bindings).first(sums ? 5 : 4),
+                              .blendScale = blend,
+                              .colorFormat = format};
     PointLookups result;
     for (std::uint32_t normals = 0; normals < 2; ++normals) {
         info.fragment.specialization[0] = normals;

@@ -72,12 +72,6 @@ void addGaps(gpu::AreaConstants& constants, const LightView& light, std::uint32_
         glm::vec4(part * (flat ? light.sourceY : discRadius(light) * glm::cross(light.direction(), x)), 0.0f);
 }
 
-Rect areaOf(const ShadowTask& task)
-{
-    const VkRect2D& area = task.view->area;
-    return {area.offset.x, area.offset.y, area.extent.width, area.extent.height};
-}
-
 } // namespace
 
 /// What is decided in a frame, round by round; in its memory.
@@ -102,17 +96,16 @@ QuadSampling::QuadSampling(const AlgorithmServices& services, const QuadMethod& 
       look_(makePointLookups(services, method.look, method.lookCode, method.format))
 {
     const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
+        constantsAt(0),
         {.binding = 1, .kind = BindingKind::sampledImage, .format = method.format, .array = true},
-        {.binding = 2, .kind = BindingKind::storageBuffer}};
+        bufferAt(2)};
     test_ =
         services.pipelines->compute({.name = method.test, .compute = {.code = method.testCode}, .bindings = bindings});
-    GraphicsPipelineInfo info{.name = method.resolve,
-                              .vertex = {.code = k_shared_fullscreen_vert},
-                              .fragment = {.code = method.resolveCode},
-                              .bindings = std::span(bindings).first(2)};
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    resolve_ = services.pipelines->graphics(info);
+    resolve_ = services.pipelines->graphics({.name = method.resolve,
+                                             .vertex = {.code = k_shared_fullscreen_vert},
+                                             .fragment = {.code = method.resolveCode},
+                                             .bindings = std::span(bindings).first(2),
+                                             .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 QuadSampling::Images QuadSampling::makeImages(PassBuilder& passes, const ShadowTask& task, const QuadRule& rule) const
@@ -163,7 +156,7 @@ void QuadSampling::declareWord(PassBuilder& passes, const ShadowTask& task, cons
     PassRef pass = passes.raster(method_.look, Scope::task, word);
     look.uses(pass);
     if (after) pass.reads(after);
-    pass.writes(images.words, {.layer = word}).area(areaOf(task));
+    pass.writes(images.words, {.layer = word}).area(drawnArea(*task.view));
     pass.record([=, pipeline = look_.of[look.hasNormals]](PassContext& gpu) {
         gpu::AreaConstants block = *constants;
         block.needed = tree->quads.needed(word);
@@ -211,7 +204,7 @@ void QuadSampling::declareResolve(PassBuilder& passes, const ShadowTask& task, c
                                   const Images& images, BufferId after, const Tree* tree) const
 {
     PassRef pass = passes.raster(method_.resolve);
-    pass.writes(task.visibility, {.layer = task.layer}).samples(images.words).area(areaOf(task));
+    pass.writes(task.visibility, {.layer = task.layer}).samples(images.words).area(drawnArea(*task.view));
     if (after) pass.reads(after);
     pass.record([=, reasons = rule.reasons, pipeline = resolve_](PassContext& gpu) {
         gpu.bind(pipeline, {gpu.constants(0, weightsOf(tree->quads, reasons)), gpu.sampled(1, images.words)});

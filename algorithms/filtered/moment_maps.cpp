@@ -31,46 +31,13 @@ std::size_t logOf(std::uint32_t count)
     return static_cast<std::size_t>(std::countr_zero(count));
 }
 
-constexpr BindingInfo kConstantsBinding{.binding = 0, .kind = BindingKind::constants};
-
-PipelineId rowsPipeline(const AlgorithmServices& services, std::uint32_t kind)
-{
-    const std::array bindings = {
-        kConstantsBinding,
-        BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer}};
-    ComputePipelineInfo info;
-    info.name = "moments.rows";
-    info.compute = {.code = k_filtered_moments_rows_comp, .specializationCount = 1, .specialization = {kind}};
-    info.bindings = bindings;
-    return services.pipelines->compute(info);
-}
-
-PipelineId meansPipeline(const AlgorithmServices& services, std::uint32_t channels)
-{
-    const std::array bindings = {kConstantsBinding, BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer},
-                                 BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer}};
-    ComputePipelineInfo info;
-    info.name = "moments.means";
-    info.compute = {.code = k_filtered_box_means_comp, .specializationCount = 1, .specialization = {channels}};
-    info.bindings = bindings;
-    return services.pipelines->compute(info);
-}
-
 PipelineId columnsPipeline(const AlgorithmServices& services, std::uint32_t channels, std::uint32_t words)
 {
     const std::span<const std::uint32_t> codes[] = {k_filtered_moments_columns1_comp, k_filtered_moments_columns2_comp,
                                                     k_filtered_moments_columns4_comp};
-    const std::array bindings = {
-        kConstantsBinding, BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer},
-        BindingInfo{
-            .binding = 3, .kind = BindingKind::storageImage, .format = kWordFormats[logOf(words)], .powerOfTwo = true}};
-    ComputePipelineInfo info;
-    info.name = "moments.columns";
-    info.compute = {.code = codes[logOf(words)], .specializationCount = 1, .specialization = {channels}};
-    info.bindings = bindings;
-    return services.pipelines->compute(info);
+    return services.pipelines->compute(
+        "moments.columns", {codes[logOf(words)], 1, {channels}},
+        {constantsAt(0), bufferAt(1), bufferAt(2), storedMapAt(3, kWordFormats[logOf(words)])});
 }
 
 PipelineId levelsPipeline(const AlgorithmServices& services, std::uint32_t words)
@@ -78,15 +45,8 @@ PipelineId levelsPipeline(const AlgorithmServices& services, std::uint32_t words
     const std::span<const std::uint32_t> codes[] = {k_filtered_moments_levels1_comp, k_filtered_moments_levels2_comp,
                                                     k_filtered_moments_levels4_comp};
     const VkFormat format = kWordFormats[logOf(words)];
-    const std::array bindings = {
-        kConstantsBinding,
-        BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = format, .powerOfTwo = true},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageImage, .format = format, .powerOfTwo = true}};
-    ComputePipelineInfo info;
-    info.name = "moments.levels";
-    info.compute.code = codes[logOf(words)];
-    info.bindings = bindings;
-    return services.pipelines->compute(info);
+    return services.pipelines->compute("moments.levels", {codes[logOf(words)]},
+                                       {constantsAt(0), mapAt(1, format), storedMapAt(2, format)});
 }
 
 VkExtent2D levelsExtent(std::uint32_t resolution)
@@ -150,9 +110,11 @@ struct MomentMaps::Layer {
 MomentMaps::MomentMaps(const AlgorithmServices& services)
 {
     for (std::uint32_t kind = 0; kind < gpu::MOMENT_KINDS; ++kind)
-        rows_[kind] = rowsPipeline(services, kind);
+        rows_[kind] = services.pipelines->compute("moments.rows", {k_filtered_moments_rows_comp, 1, {kind}},
+                                                  {constantsAt(0), mapAt(1, kMapFormat), bufferAt(2)});
     for (std::uint32_t channels = 1; channels <= 4; channels *= 2) {
-        means_[logOf(channels)] = meansPipeline(services, channels);
+        means_[logOf(channels)] = services.pipelines->compute(
+            "moments.means", {k_filtered_box_means_comp, 1, {channels}}, {constantsAt(0), bufferAt(1), bufferAt(2)});
         for (const std::uint32_t words : {(channels + 1) / 2, channels})
             columns_[logOf(channels)][logOf(words)] = columnsPipeline(services, channels, words);
         levels_[logOf(channels)] = levelsPipeline(services, channels);

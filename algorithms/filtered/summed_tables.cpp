@@ -1,7 +1,5 @@
 #include "algorithms/filtered/summed_tables.hpp"
 
-#include <array>
-
 #include "algorithms/filtered/moment_maps.hpp"
 #include "algorithms/shared/caster_lists.hpp"
 #include "shaders/filtered/summed.h"
@@ -19,23 +17,10 @@ constexpr VkDeviceSize kEntryBytes = 16;
 
 SummedTables::SummedTables(const AlgorithmServices& services)
 {
-    const BindingInfo constants{.binding = 0, .kind = BindingKind::constants};
-    const std::array rows = {
-        constants,
-        BindingInfo{.binding = 1, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageBuffer}};
-    const std::array columns = {
-        constants, BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer},
-        BindingInfo{.binding = 2, .kind = BindingKind::storageImage, .format = kTableFormat, .powerOfTwo = true}};
-    ComputePipelineInfo info;
-    info.name = "moments_soft.rows";
-    info.compute.code = k_filtered_summed_rows_comp;
-    info.bindings = rows;
-    rows_ = services.pipelines->compute(info);
-    info.name = "moments_soft.columns";
-    info.compute.code = k_filtered_summed_columns_comp;
-    info.bindings = columns;
-    columns_ = services.pipelines->compute(info);
+    rows_ = services.pipelines->compute("moments_soft.rows", {k_filtered_summed_rows_comp},
+                                        {constantsAt(0), mapAt(1, kMapFormat), bufferAt(2)});
+    columns_ = services.pipelines->compute("moments_soft.columns", {k_filtered_summed_columns_comp},
+                                           {constantsAt(0), bufferAt(1), storedMapAt(2, kTableFormat)});
 }
 
 ImageId SummedTables::declare(PassBuilder& passes, const LightMap& map, const ShadowTask& task,

@@ -123,20 +123,16 @@ bool backFacesOnly(const Caster& caster)
 
 PipelineId makeConservativePipeline(const AlgorithmServices& services, const char* name, ConservativeLayer layer)
 {
-    constexpr BindingInfo bindings[] = {{.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer},
-                                        {.binding = 3, .kind = BindingKind::storageBuffer}};
     const auto number = static_cast<std::uint32_t>(layer);
-    GraphicsPipelineInfo info;
-    info.name = name;
-    info.vertex = {.code = k_hybrid_conservative_vert, .specializationCount = 1, .specialization = {number}};
-    info.fragment = {.code = k_hybrid_conservative_frag, .specializationCount = 1, .specialization = {number}};
-    info.bindings = bindings;
-    info.pushBytes = sizeof(gpu::ConservativePush);
-    info.depthTest = info.depthWrite = true;
-    info.depthCompare = VK_COMPARE_OP_LESS;
-    info.depthFormat = kMapFormat;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics({.name = name,
+                                         .vertex = {k_hybrid_conservative_vert, 1, {number}},
+                                         .fragment = {k_hybrid_conservative_frag, 1, {number}},
+                                         .bindings = std::array{bufferAt(1), bufferAt(2), bufferAt(3)},
+                                         .pushBytes = sizeof(gpu::ConservativePush),
+                                         .depthTest = true,
+                                         .depthWrite = true,
+                                         .depthCompare = VK_COMPARE_OP_LESS,
+                                         .depthFormat = kMapFormat});
 }
 
 BufferId ConservativeCasters::keptOf(const Caster& caster) const

@@ -12,11 +12,6 @@ const char* refusesDeviceRays(const ShadowTask& task)
                                        : nullptr;
 }
 
-Rect drawnArea(const CameraView& view)
-{
-    return {view.area.offset.x, view.area.offset.y, view.area.extent.width, view.area.extent.height};
-}
-
 gpu::RayQueryConstants rayConstants(const ShadowTask& task, std::uint8_t lit, std::uint8_t dark)
 {
     const Rect area = drawnArea(*task.view);
@@ -31,26 +26,21 @@ DeviceTrace::DeviceTrace(const AlgorithmServices& services, const char* name, st
     : name_(name)
 {
     const bool listed = asks == Asks::listed;
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 4, .kind = BindingKind::structure},
-        {.binding = 5, .kind = BindingKind::storageBuffer},
-        {.binding = 6, .kind = BindingKind::storageBuffer}};
-    GraphicsPipelineInfo info;
-    info.name = name;
-    if (listed) info.topology = VK_PRIMITIVE_TOPOLOGY_POINT_LIST;
-    info.vertex.code = listed ? std::span<const std::uint32_t>(k_hybrid_undecided_vert)
-                              : std::span<const std::uint32_t>(k_shared_fullscreen_vert);
-    info.fragment.code = fragment;
-    info.fragment.specializationCount = 1;
-    info.bindings = std::span(bindings).first(listed ? 6 : 5);
-    info.colorFormat = target;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        info.fragment.specialization[0] = normals;
-        pipelines_[normals] = services.pipelines->graphics(info);
-    }
+    const BindingInfo bindings[] = {constantsAt(0),
+                                    sampledAt(2, VK_FORMAT_D32_SFLOAT),
+                                    sampledAt(3, VK_FORMAT_R16G16B16A16_SFLOAT),
+                                    {.binding = 4, .kind = BindingKind::structure},
+                                    bufferAt(5),
+                                    bufferAt(6)};
+    for (const bool normals : {false, true})
+        pipelines_[normals] = services.pipelines->graphics(
+            {.name = name,
+             .vertex = {.code = listed ? std::span<const std::uint32_t>(k_hybrid_undecided_vert)
+                                       : std::span<const std::uint32_t>(k_shared_fullscreen_vert)},
+             .fragment = {fragment, 1, {normals}},
+             .bindings = std::span(bindings).first(listed ? 6 : 5),
+             .topology = listed ? VK_PRIMITIVE_TOPOLOGY_POINT_LIST : VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST,
+             .colorFormat = target});
 }
 
 DeviceTrace::Pixels::Pixels(const ShadowTask& task, BufferId listed)
@@ -72,8 +62,7 @@ PassRef DeviceTrace::open(PassBuilder& passes, const ShadowTask& task, ImageId t
 
 void DeviceTrace::draw(PassContext& gpu, const Pixels& pixels, PipelineId pipeline, const Bound& constants)
 {
-    if (pixels.reached.extent.width == 0) return;
-    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels.reached);
+    if (!gpu.clipTo(pixels.reached)) return;
     const Bound bindings[] = {constants,
                               gpu.sampled(2, pixels.depth),
                               gpu.sampled(3, pixels.normals),

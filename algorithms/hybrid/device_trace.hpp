@@ -11,9 +11,6 @@ const char* refusesDeviceRays(const ShadowTask& task);
 /// What RayQueryConstants say of a task. @param lit, dark bytes of visibility
 gpu::RayQueryConstants rayConstants(const ShadowTask& task, std::uint8_t lit = 255, std::uint8_t dark = 0);
 
-/// The view's area, of passes that draw it.
-Rect drawnArea(const CameraView& view);
-
 /// A raster pass whose fragment shader includes shaders/hybrid/asked_ray.glsl. Constants of any kind are at binding 0.
 class DeviceTrace {
 public:

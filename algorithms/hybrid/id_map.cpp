@@ -261,7 +261,7 @@ void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t la
 
 IdMapPipelines makeIdMapPipelines(const AlgorithmServices& services)
 {
-    static constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer}};
+    static constexpr BindingInfo kBindings[] = {bufferAt(0)};
     IdMapPipelines result{.casters = {}, .depth = makeDepthMapPipelines(services)};
     GraphicsPipelineInfo info;
     info.name = "contour_chain.casters";

@@ -144,41 +144,33 @@ RaySoft::RaySoft(const AlgorithmServices& services)
     : hard_(services, "ray_soft.hard", k_hybrid_ray_query_frag, VK_FORMAT_R8_UNORM),
       trace_(services, "ray_soft.trace", k_hybrid_ray_soft_trace_frag, kSeenFormat)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 4, .kind = BindingKind::sampledImage, .format = kSeenFormat},
-        {.binding = 5, .kind = BindingKind::sampledImage, .format = kHistoryFormat},
-        {.binding = 6, .kind = BindingKind::storageBuffer},
-        {.binding = 7, .kind = BindingKind::sampledImage, .format = kFilteredFormat},
-        {.binding = 8, .kind = BindingKind::sampledImage, .format = kMotionFormat}};
-    const BindingInfo tileBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                        {.binding = 2, .kind = BindingKind::sampledImage, .format = kSeenFormat}};
-    GraphicsPipelineInfo info;
-    info.name = "ray_soft.tiles";
-    info.vertex.code = k_shared_fullscreen_vert;
-    info.fragment.code = k_hybrid_ray_soft_tiles_frag;
-    info.bindings = tileBindings;
-    info.colorFormat = kFilteredFormat;
-    tiles_ = services.pipelines->graphics(info);
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        info.fragment.specialization[0] = normals;
-        info.name = "ray_soft.accumulate";
-        info.fragment.code = k_hybrid_ray_soft_accumulate_frag;
-        info.fragment.specializationCount = 1;
-        info.bindings = bindings;
-        info.colorFormat = kHistoryFormat;
-        accumulate_[normals] = services.pipelines->graphics(info);
-        for (std::uint32_t last = 0; last < 2; ++last) {
-            info.name = "ray_soft.blur";
-            info.fragment.code = k_hybrid_ray_soft_blur_frag;
-            info.fragment.specialization[1] = last;
-            info.fragment.specializationCount = 2;
-            info.bindings = std::span(bindings).first(5);
-            info.colorFormat = last ? VK_FORMAT_R8_UNORM : kFilteredFormat;
-            blur_[normals][last] = services.pipelines->graphics(info);
-        }
+    const BindingInfo bindings[] = {constantsAt(0),
+                                    sampledAt(2, VK_FORMAT_D32_SFLOAT),
+                                    sampledAt(3, VK_FORMAT_R16G16B16A16_SFLOAT),
+                                    sampledAt(4, kSeenFormat),
+                                    sampledAt(5, kHistoryFormat),
+                                    bufferAt(6),
+                                    sampledAt(7, kFilteredFormat),
+                                    sampledAt(8, kMotionFormat)};
+    tiles_ = services.pipelines->graphics({.name = "ray_soft.tiles",
+                                           .vertex = {.code = k_shared_fullscreen_vert},
+                                           .fragment = {.code = k_hybrid_ray_soft_tiles_frag},
+                                           .bindings = std::array{constantsAt(0), sampledAt(2, kSeenFormat)},
+                                           .colorFormat = kFilteredFormat});
+    for (const bool normals : {false, true}) {
+        accumulate_[normals] =
+            services.pipelines->graphics({.name = "ray_soft.accumulate",
+                                          .vertex = {.code = k_shared_fullscreen_vert},
+                                          .fragment = {k_hybrid_ray_soft_accumulate_frag, 1, {normals}},
+                                          .bindings = bindings,
+                                          .colorFormat = kHistoryFormat});
+        for (const bool last : {false, true})
+            blur_[normals][last] =
+                services.pipelines->graphics({.name = "ray_soft.blur",
+                                              .vertex = {.code = k_shared_fullscreen_vert},
+                                              .fragment = {k_hybrid_ray_soft_blur_frag, 2, {normals, last}},
+                                              .bindings = std::span(bindings).first(5),
+                                              .colorFormat = last ? VK_FORMAT_R8_UNORM : kFilteredFormat});
     }
 }
 
@@ -255,8 +247,7 @@ void RaySoft::declareAccumulation(PassBuilder& passes, const ShadowTask& task, c
     pass.writes(history.present, {.clear = true, .value = kNotAsked})
         .area(drawnArea(*task.view))
         .record([=, cameras = history.cameras, pipeline = accumulate_[hasNormals]](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            if (!gpu.clipTo(pixels)) return;
             gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
                                 gpu.sampled(4, seen), gpu.sampled(5, past), gpu.storage(6, cameras),
                                 gpu.sampled(7, now), gpu.sampled(8, motion)});
@@ -282,8 +273,7 @@ void RaySoft::declareBlur(PassBuilder& passes, const ShadowTask& task, const Blu
     pass.writes(blur.to, blur.part)
         .area(drawnArea(*task.view))
         .record([=, pipeline = blur_[hasNormals][blur.last]](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            if (!gpu.clipTo(pixels)) return;
             gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(2, depth), gpu.sampled(3, normals),
                                 gpu.sampled(4, blur.from), gpu.sampled(5, blur.tiles)});
             gpu.drawFullscreen();

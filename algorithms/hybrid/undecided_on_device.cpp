@@ -48,12 +48,9 @@ UndecidedOnDevice::UndecidedOnDevice(const AlgorithmServices& services, const Un
     : names_(names),
       trace_(services, names.trace, k_hybrid_ray_query_frag, VK_FORMAT_R8_UNORM, DeviceTrace::Asks::listed)
 {
-    const BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-                                    {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R8_UNORM},
-                                    {.binding = 4, .kind = BindingKind::storageBuffer}};
     find_ = services.pipelines->compute(
-        {.name = names.list, .compute = {.code = k_hybrid_undecided_comp}, .bindings = bindings});
+        names.list, {k_hybrid_undecided_comp},
+        {constantsAt(0), sampledAt(2, VK_FORMAT_D32_SFLOAT), sampledAt(3, VK_FORMAT_R8_UNORM), bufferAt(4)});
 }
 
 void UndecidedOnDevice::declare(PassBuilder& passes, const ShadowTask& task, bool reasons, const Doubt& doubt) const

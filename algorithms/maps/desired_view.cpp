@@ -16,23 +16,11 @@ namespace {
 
 constexpr std::uint32_t kPixelsPerGroup = 8 * 4; // a side, of desired_view.comp
 
-constexpr BindingInfo kConstants{.binding = 0, .kind = BindingKind::constants};
-constexpr BindingInfo kView{.binding = 1, .kind = BindingKind::storageBuffer};
-constexpr BindingInfo kResolveView[] = {{.binding = 5, .kind = BindingKind::storageBuffer}};
-
-PipelineId seenPipeline(const AlgorithmServices& services, bool normals)
-{
-    const auto look = lookupBindings(false);
-    const BindingInfo bindings[] = {kConstants, kView, look[1], look[2]};
-    return services.pipelines->compute(
-        {.name = "desired_view.seen",
-         .compute = {.code = k_maps_desired_view_comp, .specializationCount = 2, .specialization = {normals, 0}},
-         .bindings = bindings});
-}
+constexpr BindingInfo kResolveView[] = {bufferAt(5)};
 
 DepthMapPipelines castersPipelines(const AlgorithmServices& services)
 {
-    constexpr BindingInfo bindings[] = {kConstants, kView};
+    constexpr BindingInfo bindings[] = {constantsAt(0), bufferAt(1)};
     GraphicsPipelineInfo info = depthCasterPipeline(services);
     info.name = "desired_view.casters";
     info.vertex.code = k_maps_desired_view_vert;
@@ -44,14 +32,15 @@ DepthMapPipelines castersPipelines(const AlgorithmServices& services)
 
 DesiredViewMap::DesiredViewMap(const AlgorithmServices& services)
     : casters_(castersPipelines(services)),
-      crop_(services.pipelines->compute({.name = "desired_view.crop",
-                                         .compute = {.code = k_maps_desired_view_crop_comp},
-                                         .bindings = std::array{kConstants, kView}})),
+      crop_(services.pipelines->compute("desired_view.crop", {k_maps_desired_view_crop_comp},
+                                        {constantsAt(0), bufferAt(1)})),
       resolve_(services,
                {.name = "desired_view.resolve", .fragment = k_maps_shadow_map_cropped_frag, .more = kResolveView})
 {
     for (const bool normals : {false, true})
-        seen_[normals] = seenPipeline(services, normals);
+        seen_[normals] = services.pipelines->compute(
+            "desired_view.seen", {k_maps_desired_view_comp, 2, {normals, 0}},
+            {constantsAt(0), bufferAt(1), lookupBindings(false)[1], lookupBindings(false)[2]});
 }
 
 bool DesiredViewMap::serves(const ShadowTask& task)

@@ -22,9 +22,9 @@ constexpr float kLeastCosine = 0.1f;
 
 /// States, which are all that seeds are made of beside the map, seeds and sites.
 constexpr BindingInfo kRampInputs[] = {
-    {.binding = 5, .kind = BindingKind::sampledImage, .format = kStateFormat},
-    {.binding = 6, .kind = BindingKind::sampledImage, .format = kSeedFormat},
-    {.binding = 7, .kind = BindingKind::storageBuffer},
+    sampledAt(5, kStateFormat),
+    sampledAt(6, kSeedFormat),
+    bufferAt(7),
 };
 
 MapResolve makeRamp(const AlgorithmServices& services, VkFormat format)

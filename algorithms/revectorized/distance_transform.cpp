@@ -1,7 +1,5 @@
 #include "algorithms/revectorized/distance_transform.hpp"
 
-#include <array>
-
 #include "shaders/revectorized/distance.h"
 #include "shaders/revectorized_distance_columns_comp.h"
 #include "shaders/revectorized_distance_rows_comp.h"
@@ -24,18 +22,10 @@ std::uint32_t groupsOf(std::uint32_t lines)
 
 DistanceTransform::DistanceTransform(const AlgorithmServices& services)
 {
-    const std::array bindings = {BindingInfo{.binding = 0, .kind = BindingKind::sampledImage, .format = kSeedFormat},
-                                 BindingInfo{.binding = 1, .kind = BindingKind::storageBuffer}};
-    ComputePipelineInfo info;
-    info.name = "distance.columns";
-    info.compute.code = k_revectorized_distance_columns_comp;
-    info.bindings = bindings;
-    info.pushBytes = sizeof(gpu::DistanceRect);
-    columns_ = services.pipelines->compute(info);
-    info.name = "distance.rows";
-    info.compute.code = k_revectorized_distance_rows_comp;
-    info.bindings = std::span(bindings).last(1);
-    rows_ = services.pipelines->compute(info);
+    columns_ = services.pipelines->compute("distance.columns", {k_revectorized_distance_columns_comp},
+                                           {sampledAt(0, kSeedFormat), bufferAt(1)}, sizeof(gpu::DistanceRect));
+    rows_ = services.pipelines->compute("distance.rows", {k_revectorized_distance_rows_comp}, {bufferAt(1)},
+                                        sizeof(gpu::DistanceRect));
 }
 
 BufferId DistanceTransform::declare(PassBuilder& passes, const CameraView& view, ImageId seeds,

@@ -9,21 +9,14 @@ namespace gnomon {
 
 ContactShadows::ContactShadows(const AlgorithmServices& services)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT}};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "contact.march";
-    pipeline.vertex.code = k_shared_fullscreen_vert;
-    pipeline.fragment.code = k_shared_contact_frag;
-    pipeline.fragment.specializationCount = 1;
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        pipeline.fragment.specialization[0] = normals;
-        march_[normals] = services.pipelines->graphics(pipeline);
-    }
+    const BindingInfo bindings[] = {constantsAt(0), sampledAt(2, VK_FORMAT_D32_SFLOAT),
+                                    sampledAt(3, VK_FORMAT_R16G16B16A16_SFLOAT)};
+    for (const bool normals : {false, true})
+        march_[normals] = services.pipelines->graphics({.name = "contact.march",
+                                                        .vertex = {.code = k_shared_fullscreen_vert},
+                                                        .fragment = {k_shared_contact_frag, 1, {normals}},
+                                                        .bindings = bindings,
+                                                        .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 void ContactShadows::declare(PassBuilder& passes, const ShadowTask& task, double lengthWs) const
@@ -43,7 +36,7 @@ void ContactShadows::declare(PassBuilder& passes, const ShadowTask& task, double
     pass.samples(depth);
     if (hasNormals) pass.samples(normals);
     pass.writes(task.visibility, {.layer = task.layer, .blend = true})
-        .area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        .area(drawnArea(*task.view))
         .record([=, block = &constants, pipeline = march_[hasNormals]](PassContext& gpu) {
             gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
             gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, depth), gpu.sampled(3, normals)});

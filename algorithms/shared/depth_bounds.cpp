@@ -11,10 +11,6 @@ namespace gnomon {
 
 namespace {
 
-constexpr std::array<BindingInfo, 2> kBindings{
-    {{.binding = 0, .kind = BindingKind::storageBuffer},
-     {.binding = 1, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true}}};
-
 constexpr const char* kNames[gpu::BOUNDS_LEVELS] = {"depth_bounds.4",    "depth_bounds.16",   "depth_bounds.64",
                                                     "depth_bounds.256",  "depth_bounds.1024", "depth_bounds.4096",
                                                     "depth_bounds.16384"};
@@ -33,10 +29,8 @@ std::uint32_t squaresOf(std::uint32_t side)
 } // namespace
 
 DepthBounds::DepthBounds(const AlgorithmServices& services)
-    : reduce_(services.pipelines->compute({.name = "depth_bounds.reduce",
-                                           .compute = {.code = k_shared_depth_bounds_comp},
-                                           .bindings = kBindings,
-                                           .pushBytes = sizeof(gpu::DepthBoundsPush)}))
+    : reduce_(services.pipelines->compute("depth_bounds.reduce", {k_shared_depth_bounds_comp},
+                                          {bufferAt(0), mapAt(1, kMapFormat)}, sizeof(gpu::DepthBoundsPush)))
 {
 }
 

@@ -13,7 +13,7 @@ public:
     BufferId declare(PassBuilder& passes, const LightMap& map, std::uint32_t resolution) const;
 
     /// For MapResolveInfo::more of shaders that search the bounds for a light's disc (blocker_search.glsl).
-    static constexpr BindingInfo kBinding[] = {{.binding = 1, .kind = BindingKind::storageBuffer}};
+    static constexpr BindingInfo kBinding[] = {bufferAt(1)};
 
     /// Device bytes.
     static VkDeviceSize memory(std::uint32_t resolution, std::uint32_t layers);

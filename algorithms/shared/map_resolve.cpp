@@ -9,9 +9,9 @@ namespace gnomon {
 
 std::array<BindingInfo, 4> lookupBindings(bool layers)
 {
-    return {{{.binding = 0, .kind = BindingKind::constants},
-             {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-             {.binding = 3, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+    return {{constantsAt(0),
+             sampledAt(2, VK_FORMAT_D32_SFLOAT),
+             sampledAt(3, VK_FORMAT_R16G16B16A16_SFLOAT),
              {.binding = 4,
               .kind = BindingKind::sampledImage,
               .format = kMapFormat,
@@ -49,8 +49,7 @@ LookupPass::LookupPass(PassBuilder& passes, const ShadowTask& task, const char* 
 
 void LookupPass::writes(const CameraView& view, ImageId target, const Part& part)
 {
-    const VkRect2D& area = view.area;
-    uses.writes(target, part).area({area.offset.x, area.offset.y, area.extent.width, area.extent.height});
+    uses.writes(target, part).area(drawnArea(view));
 }
 
 MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& info)
@@ -59,7 +58,7 @@ MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& 
     GraphicsPipelineInfo pipeline;
     pipeline.name = info.name;
     pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment.specializationCount = info.filters ? 2 : 1;
+    pipeline.fragment.specializationCount = 3;
     pipeline.colorFormat = info.format;
     for (const bool cube : {false, true}) {
         if (cube && !hasCube_) continue;
@@ -68,8 +67,11 @@ MapResolve::MapResolve(const AlgorithmServices& services, const MapResolveInfo& 
         std::ranges::copy(lookup, bindings.begin());
         std::ranges::copy(info.more, bindings.begin() + lookup.size());
         bindings[lookup.size() - 1].sampler = info.sampler;
+        for (BindingInfo& binding : bindings)
+            binding.array = binding.array || (binding.powerOfTwo && bindings[lookup.size() - 1].array);
         pipeline.bindings = std::span(bindings).first(lookup.size() + info.more.size());
         pipeline.fragment.code = cube ? info.cube : info.fragment;
+        pipeline.fragment.specialization[2] = cube;
         for (const bool normals : {false, true}) {
             for (const bool filtered : {false, true}) {
                 pipeline.fragment.specialization[0] = normals;
@@ -86,10 +88,10 @@ LookupPass MapResolve::passOf(PassBuilder& passes, const ShadowTask& task, const
     LookupPass pass = lookup.target ? LookupPass(passes, task, name_, look, lookup.target, lookup.otherwise)
                                     : LookupPass(passes, task, name_, look);
     for (const Lookup::Input& input : std::span(lookup.more).first(more_.size())) {
-        if (input.image)
-            pass.uses.samples(input.image);
-        else
+        if (!input.image)
             pass.uses.reads(input.buffer);
+        else if (&input == lookup.more.data() || input.image.index != lookup.more.front().image.index)
+            pass.uses.samples(input.image);
     }
     return pass;
 }

@@ -36,8 +36,7 @@ public:
     void record(const Bind& bind)
     {
         uses.record([bind, pixels = pixels_](PassContext& gpu) {
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            if (!gpu.clipTo(pixels)) return;
             bind(gpu);
             gpu.drawFullscreen();
         });
@@ -52,11 +51,12 @@ private:
 /// What a resolve shader of a family is called, where its code is and what it is given.
 struct MapResolveInfo {
     const char* name = "";                    ///< Pass and pipelines.
-    std::span<const std::uint32_t> fragment;  ///< Specialization: 0 has normals, 1 filtered.
+    std::span<const std::uint32_t> fragment;  ///< Specialization: 0 has normals, 1 filtered, 2 point light.
     std::span<const std::uint32_t> cube = {}; ///< For point lights, whose map is a 2D array; empty: there are none.
     bool layers = false;                      ///< The map of `fragment` is a 2D array.
     bool filters = true;                      ///< The shader looks at 1.
-    std::span<const BindingInfo> more = {}; ///< Buffers and images beside lookupBindings(), kMostMore; static storage.
+    /// Buffers and images beside lookupBindings(), kMostMore; static storage. Maps have layers where the map has.
+    std::span<const BindingInfo> more = {};
     SamplerKind sampler = SamplerKind::nearestBorderFar; ///< Of the map.
     VkFormat format = VK_FORMAT_R8_UNORM;                ///< Of what it writes.
 };

@@ -19,22 +19,16 @@ ScreenBlur::ScreenBlur(const AlgorithmServices& services, const char* rows, cons
 {
     std::array<BindingInfo, 5> bindings{};
     std::ranges::copy(lookupBindings(false), bindings.begin());
-    bindings[3] = {.binding = 4, .kind = BindingKind::sampledImage, .format = kSeenFormat};
-    bindings[4] = {.binding = 5, .kind = BindingKind::sampledImage, .format = kOnceFormat};
-    GraphicsPipelineInfo pipeline;
-    pipeline.bindings = bindings;
-    pipeline.vertex.code = k_shared_fullscreen_vert;
-    pipeline.fragment.code = k_shared_screen_blur_frag;
-    pipeline.fragment.specializationCount = 2;
-    for (std::uint32_t normals = 0; normals < 2; ++normals) {
-        pipeline.fragment.specialization[0] = normals;
-        for (const bool last : {false, true}) {
-            pipeline.name = last ? columns : rows;
-            pipeline.fragment.specialization[1] = last;
-            pipeline.colorFormat = last ? VK_FORMAT_R8_UNORM : kOnceFormat;
-            pipelines_[normals][last] = services.pipelines->graphics(pipeline);
-        }
-    }
+    bindings[3] = sampledAt(4, kSeenFormat);
+    bindings[4] = sampledAt(5, kOnceFormat);
+    for (const bool normals : {false, true})
+        for (const bool last : {false, true})
+            pipelines_[normals][last] =
+                services.pipelines->graphics({.name = last ? columns : rows,
+                                              .vertex = {.code = k_shared_fullscreen_vert},
+                                              .fragment = {k_shared_screen_blur_frag, 2, {normals, last}},
+                                              .bindings = bindings,
+                                              .colorFormat = last ? VK_FORMAT_R8_UNORM : kOnceFormat});
 }
 
 ImageId ScreenBlur::declareSeen(PassBuilder& passes, const ShadowTask& task)

@@ -73,14 +73,7 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
 {
     BindingInfo bindings[5];
     std::ranges::copy(lookupBindings(cube), bindings);
-    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
-    const VkStencilOpState mark{.failOp = VK_STENCIL_OP_KEEP,
-                                .passOp = VK_STENCIL_OP_KEEP,
-                                .depthFailOp = VK_STENCIL_OP_REPLACE,
-                                .compareOp = VK_COMPARE_OP_ALWAYS,
-                                .compareMask = 0xff,
-                                .writeMask = 0xff,
-                                .reference = kCounting.mask};
+    bindings[4] = bufferAt(5);
     GraphicsPipelineInfo pipeline;
     pipeline.name = "chan_durand.classify";
     pipeline.vertex.code = k_shared_map_resolve_vert;
@@ -94,40 +87,22 @@ PipelineId classifyPipeline(const AlgorithmServices& services, bool cube, bool n
     // depth, and a receiver exactly on the near plane of standard depth keeps its 0.5, which is lit.
     pipeline.depthTest = true;
     pipeline.depthCompare = VK_COMPARE_OP_GREATER_OR_EQUAL;
-    pipeline.stencil = {.enable = true, .front = mark, .back = mark};
+    pipeline.stencil = stencilTest(VK_COMPARE_OP_ALWAYS, kCounting.mask, VK_STENCIL_OP_KEEP, 0xff);
+    pipeline.stencil.front.depthFailOp = pipeline.stencil.back.depthFailOp = VK_STENCIL_OP_REPLACE;
     pipeline.colorFormat = VK_FORMAT_R8_UNORM;
     pipeline.depthFormat = kStencilFormat;
     return services.pipelines->graphics(pipeline);
-}
-
-PipelineId cullPipeline(const AlgorithmServices& services)
-{
-    BindingInfo bindings[7];
-    for (std::uint32_t i = 0; i < std::size(bindings); ++i)
-        bindings[i] = {.binding = i, .kind = BindingKind::storageBuffer};
-    return services.pipelines->compute({.name = "chan_durand.cull",
-                                        .compute = {.code = k_volumes_chan_durand_cull_comp},
-                                        .bindings = bindings,
-                                        .pushBytes = sizeof(std::uint32_t)});
 }
 
 PipelineId umbraPipeline(const AlgorithmServices& services)
 {
-    const VkStencilOpState counted{.failOp = VK_STENCIL_OP_KEEP,
-                                   .passOp = VK_STENCIL_OP_KEEP,
-                                   .depthFailOp = VK_STENCIL_OP_KEEP,
-                                   .compareOp = VK_COMPARE_OP_LESS, // the mask alone < what is there: mask and a count
-                                   .compareMask = 0xff,
-                                   .writeMask = 0,
-                                   .reference = kCounting.mask};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "chan_durand.umbra";
-    pipeline.vertex.code = k_shared_fullscreen_vert;
-    pipeline.fragment.code = k_shared_umbra_frag;
-    pipeline.stencil = {.enable = true, .front = counted, .back = counted};
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    pipeline.depthFormat = kStencilFormat;
-    return services.pipelines->graphics(pipeline);
+    return services.pipelines->graphics(
+        {.name = "chan_durand.umbra",
+         .vertex = {.code = k_shared_fullscreen_vert},
+         .fragment = {.code = k_shared_umbra_frag},
+         .stencil = stencilTest(VK_COMPARE_OP_LESS, kCounting.mask), // the mask alone < what is there: mask and a count
+         .colorFormat = VK_FORMAT_R8_UNORM,
+         .depthFormat = kStencilFormat});
 }
 
 // --- culling ---
@@ -240,7 +215,10 @@ public:
             for (const bool normals : {false, true})
                 for (const bool widened : {false, true})
                     pipelines_.classify[cube][normals][widened] = classifyPipeline(services, cube, normals, widened);
-        pipelines_.cull = cullPipeline(services);
+        pipelines_.cull = services.pipelines->compute(
+            "chan_durand.cull", {k_volumes_chan_durand_cull_comp},
+            {bufferAt(0), bufferAt(1), bufferAt(2), bufferAt(3), bufferAt(4), bufferAt(5), bufferAt(6)},
+            sizeof(std::uint32_t));
         pipelines_.volumes = makeVolumePipelines(services, kVolumeNames, kCounting);
         pipelines_.umbra = umbraPipeline(services);
     }
@@ -272,20 +250,16 @@ private:
         const LookupImages look(task, plan.map.image);
         const bool cube = task.light->type == GN_LIGHT_TYPE_POINT, widened = plan.constants.widen > 0;
         const PipelineId pipeline = pipelines_.classify[cube][look.hasNormals][widened];
-        const VkRect2D& area = task.view->area;
         const Plan* shared = &plan;
         PassRef pass = passes.raster("chan_durand.classify");
-        pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-            .writes(task.visibility,
-                    {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
+        pass.area(drawnArea(*task.view))
+            .writes(task.visibility, visibilityIn(*task.view, task.layer, {}))
             .depthTest(plan.stencil.image)
             .stencilWrite(plan.stencil.image, {.clear = true})
             .updates(cells);
         look.uses(pass);
         pass.record([=](PassContext& gpu) {
-            const VkRect2D& pixels = shared->volumes->pixels;
-            if (pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            if (!gpu.clipTo(shared->volumes->pixels)) return; // the light reaches no pixel: 1 everywhere, as cleared
             gpu.bind(pipeline,
                      {gpu.constants(0, shared->constants), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
                       gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, cells)});
@@ -295,9 +269,8 @@ private:
 
     void declareCount(PassBuilder& passes, const ShadowTask& task, const Plan& plan) const
     {
-        const VkRect2D& area = task.view->area;
         PassRef pass = passes.raster("chan_durand.count");
-        pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        pass.area(drawnArea(*task.view))
             .writes(task.visibility, {.layer = task.layer, .blend = true})
             .depthTest(plan.stencil.image)
             .stencilWrite(plan.stencil.image);
@@ -306,9 +279,7 @@ private:
         const Plan* shared = &plan;
         const Pipelines* pipelines = &pipelines_;
         pass.record([=](PassContext& gpu) {
-            const VkRect2D& pixels = shared->volumes->pixels;
-            if (pixels.extent.width == 0) return;
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+            if (!gpu.clipTo(shared->volumes->pixels)) return;
             drawVolumes(gpu, *shared->volumes, pipelines->volumes);
             gpu.bind(pipelines->umbra, {});
             gpu.drawFullscreen();

@@ -89,62 +89,25 @@ void copyTemplates(Block& block, const Templates& templates)
 
 // --- pipelines ---
 
-constexpr BindingInfo kMapBinding{.kind = BindingKind::sampledImage,
-                                  .format = kMapFormat,
-                                  .sampler = SamplerKind::nearestBorderFar,
-                                  .powerOfTwo = true};
-
-BindingInfo mapAt(std::uint32_t binding)
+constexpr BindingInfo surfaceAt(std::uint32_t binding)
 {
-    BindingInfo info = kMapBinding;
-    info.binding = binding;
-    return info;
-}
-
-PipelineId edgesPipeline(const AlgorithmServices& services)
-{
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants}, mapAt(1), {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute(
-        {.name = "mccool.edges", .compute = {.code = k_volumes_mccool_edges_comp}, .bindings = bindings});
-}
-
-PipelineId listPipeline(const AlgorithmServices& services)
-{
-    const BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                    mapAt(1),
-                                    {.binding = 2, .kind = BindingKind::storageBuffer},
-                                    {.binding = 3, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute(
-        {.name = "mccool.list", .compute = {.code = k_volumes_mccool_polygons_comp}, .bindings = bindings});
+    return mapAt(binding, kMapFormat, SamplerKind::nearestBorderFar);
 }
 
 /// Draws into the stencil of the view's copy: turns the bit of one map wherever the depth test passes.
-GraphicsPipelineInfo toggling(std::uint32_t map)
+GraphicsPipelineInfo toggling(std::uint32_t map, const char* name)
 {
-    const VkStencilOpState toggle{.failOp = VK_STENCIL_OP_KEEP,
-                                  .passOp = VK_STENCIL_OP_INVERT,
-                                  .depthFailOp = VK_STENCIL_OP_KEEP,
-                                  .compareOp = VK_COMPARE_OP_ALWAYS,
-                                  .compareMask = 0xff,
-                                  .writeMask = 1u << map,
-                                  .reference = 0};
-    GraphicsPipelineInfo info;
-    info.stencil = {.enable = true, .front = toggle, .back = toggle};
-    info.colorMask = 0;
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    info.depthFormat = kStencilFormat;
-    return info;
+    return {.name = name,
+            .stencil = stencilTest(VK_COMPARE_OP_ALWAYS, 0, VK_STENCIL_OP_INVERT, 1u << map),
+            .colorMask = 0,
+            .colorFormat = VK_FORMAT_R8_UNORM,
+            .depthFormat = kStencilFormat};
 }
 
 PipelineId capPipeline(const AlgorithmServices& services, std::uint32_t map)
 {
-    const BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-                                    mapAt(3),
-                                    {.binding = 4, .kind = BindingKind::storageBuffer}};
-    GraphicsPipelineInfo info = toggling(map);
-    info.name = "mccool.cap";
+    const BindingInfo bindings[] = {constantsAt(0), sampledAt(1, VK_FORMAT_D32_SFLOAT), surfaceAt(3), bufferAt(4)};
+    GraphicsPipelineInfo info = toggling(map, "mccool.cap");
     info.vertex.code = k_volumes_mccool_cap_vert;
     info.fragment.code = k_volumes_mccool_cap_frag;
     info.bindings = bindings;
@@ -153,10 +116,8 @@ PipelineId capPipeline(const AlgorithmServices& services, std::uint32_t map)
 
 PipelineId polygonPipeline(const AlgorithmServices& services, std::uint32_t map, bool reversed)
 {
-    const BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants}, mapAt(1), {.binding = 2, .kind = BindingKind::storageBuffer}};
-    GraphicsPipelineInfo info = toggling(map);
-    info.name = reversed ? "mccool.polygons_reversed" : "mccool.polygons";
+    const BindingInfo bindings[] = {constantsAt(0), surfaceAt(1), bufferAt(2)};
+    GraphicsPipelineInfo info = toggling(map, reversed ? "mccool.polygons_reversed" : "mccool.polygons");
     info.vertex.code = k_volumes_mccool_vert;
     info.bindings = bindings;
     info.depthTest = true;
@@ -273,8 +234,10 @@ public:
     {
         pipelines_.casters = makeDepthMapPipelines(services);
         pipelines_.view = makeViewStencilPipelines(services);
-        pipelines_.edges = edgesPipeline(services);
-        pipelines_.list = listPipeline(services);
+        pipelines_.edges = services.pipelines->compute("mccool.edges", {k_volumes_mccool_edges_comp},
+                                                       {constantsAt(0), surfaceAt(1), bufferAt(2)});
+        pipelines_.list = services.pipelines->compute("mccool.list", {k_volumes_mccool_polygons_comp},
+                                                      {constantsAt(0), surfaceAt(1), bufferAt(2), bufferAt(3)});
         for (std::uint32_t map = 0; map < kMaps; ++map) {
             pipelines_.caps[map] = capPipeline(services, map);
             for (const bool reversed : {false, true})

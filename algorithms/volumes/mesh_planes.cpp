@@ -17,13 +17,8 @@ void dispatchInRows(PassContext& gpu, std::uint32_t items, std::uint32_t size)
 
 PipelineId makeFindPlanes(const AlgorithmServices& services)
 {
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
-                                        {.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute({.name = "volumes.mesh_planes",
-                                        .compute = {.code = k_volumes_mesh_planes_comp},
-                                        .bindings = bindings,
-                                        .pushBytes = sizeof(gpu::MeshPlanesPush)});
+    return services.pipelines->compute("volumes.mesh_planes", {k_volumes_mesh_planes_comp},
+                                       {bufferAt(0), bufferAt(1), bufferAt(2)}, sizeof(gpu::MeshPlanesPush));
 }
 
 BufferId declareCorners(PassBuilder& passes, const MeshView& mesh)

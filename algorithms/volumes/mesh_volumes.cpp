@@ -18,11 +18,8 @@ constexpr std::uint32_t kEdgeWords = 4, kCommandWords = sizeof(VkDrawIndexedIndi
 
 PipelineId makeFind(const AlgorithmServices& services, const char* name, std::span<const std::uint32_t> code)
 {
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
-                                        {.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute(
-        {.name = name, .compute = {.code = code}, .bindings = bindings, .pushBytes = sizeof(gpu::MeshVolumePush)});
+    return services.pipelines->compute(name, {code}, {bufferAt(0), bufferAt(1), bufferAt(2)},
+                                       sizeof(gpu::MeshVolumePush));
 }
 
 VkDeviceSize edgeWords(const Topology& topology)

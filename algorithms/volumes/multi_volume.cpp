@@ -35,43 +35,29 @@ constexpr VolumePipelineNames kNames{.zPass = {"multi_volume.z_pass", "multi_vol
 
 constexpr VkFormat kSumFormat = VK_FORMAT_R16_SFLOAT; // every device blends it; whole numbers to 2048
 
-constexpr BindingInfo kBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},
-    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-    {.binding = 3, .kind = BindingKind::sampledImage, .format = kSumFormat}};
+constexpr BindingInfo kBindings[] = {constantsAt(0), sampledAt(1, VK_FORMAT_D32_SFLOAT),
+                                     sampledAt(2, VK_FORMAT_R16G16B16A16_SFLOAT), sampledAt(3, kSumFormat)};
 
 /// The draw that counts a point where the stencil is not 0, or where it is (multi_volume_sum.frag).
 PipelineId makeSum(const AlgorithmServices& services, const char* name, bool turned)
 {
-    const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
-                                .passOp = VK_STENCIL_OP_KEEP,
-                                .depthFailOp = VK_STENCIL_OP_KEEP,
-                                .compareOp = turned ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL,
-                                .compareMask = 0xff,
-                                .writeMask = 0,
-                                .reference = 0};
-    GraphicsPipelineInfo info{.name = name,
-                              .vertex = {.code = k_volumes_resolve_vert},
-                              .fragment = {.code = k_volumes_multi_volume_sum_frag,
-                                           .specializationCount = 1,
-                                           .specialization = {turned ? 1u : 0u}},
-                              .bindings = std::span(kBindings).first(3)};
-    info.stencil = {.enable = true, .front = test, .back = test};
-    info.blendScale = true;
-    info.colorFormat = kSumFormat;
-    info.depthFormat = kStencilFormat;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics({.name = name,
+                                         .vertex = {.code = k_volumes_resolve_vert},
+                                         .fragment = {k_volumes_multi_volume_sum_frag, 1, {turned ? 1u : 0u}},
+                                         .bindings = std::span(kBindings).first(3),
+                                         .stencil = stencilTest(turned ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL),
+                                         .blendScale = true,
+                                         .colorFormat = kSumFormat,
+                                         .depthFormat = kStencilFormat});
 }
 
 PipelineId makeResolve(const AlgorithmServices& services)
 {
-    GraphicsPipelineInfo info{.name = "multi_volume.resolve",
-                              .vertex = {.code = k_volumes_resolve_vert},
-                              .fragment = {.code = k_volumes_multi_volume_resolve_frag},
-                              .bindings = kBindings};
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics({.name = "multi_volume.resolve",
+                                         .vertex = {.code = k_volumes_resolve_vert},
+                                         .fragment = {.code = k_volumes_multi_volume_resolve_frag},
+                                         .bindings = kBindings,
+                                         .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 class MultiVolumes final : public ShadowAlgorithm {
@@ -104,8 +90,7 @@ private:
 /// What the passes read of the view.
 void usesView(PassRef& pass, const ShadowTask& task)
 {
-    const VkRect2D& area = task.view->area;
-    pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height}).samples(task.depth);
+    pass.area(drawnArea(*task.view)).samples(task.depth);
     if (task.normals) pass.samples(task.normals);
 }
 
@@ -122,8 +107,7 @@ void MultiVolumes::declarePoint(PassBuilder& passes, const ShadowTask& point, co
     usesView(pass, point);
     usesVolumes(pass, *plan);
     pass.record([=, depth = point.depth, normals = point.normals, this](PassContext& gpu) {
-        if (plan->pixels.extent.width == 0) return;
-        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &plan->pixels);
+        if (!gpu.clipTo(plan->pixels)) return;
         drawVolumes(gpu, *plan, volumes_);
         const auto sum = [&](PipelineId pipeline) {
             gpu.bind(pipeline,
@@ -160,8 +144,7 @@ void MultiVolumes::declare(PassBuilder& passes, const ShadowTask& task)
     pass.writes(task.visibility, visibilityIn(*task.view, task.layer, pixels)).samples(sums);
     usesView(pass, task);
     pass.record([=, depth = task.depth, normals = task.normals, pipeline = resolve_](PassContext& gpu) {
-        if (pixels.extent.width == 0) return;
-        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &pixels);
+        if (!gpu.clipTo(pixels)) return;
         gpu.bind(pipeline, {gpu.constants(0, *constants), gpu.sampled(1, depth),
                             gpu.sampled(2, normals ? normals : depth), gpu.sampled(3, sums)});
         gpu.drawFullscreen();

@@ -32,17 +32,16 @@ constexpr VolumeCountNames kNames{
 PipelineId makeResolvePipeline(const AlgorithmServices& services)
 {
     constexpr BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
+        constantsAt(0),
+        sampledAt(1, VK_FORMAT_D32_SFLOAT),
+        sampledAt(2, VK_FORMAT_R16G16B16A16_SFLOAT),
         {.binding = 3, .kind = BindingKind::sampledImage, .format = kStencilFormat, .stencil = true},
-        {.binding = 4, .kind = BindingKind::sampledImage, .format = kCoverageFormat}};
-    GraphicsPipelineInfo info{.name = "penumbra_wedges.resolve",
-                              .vertex = {.code = k_volumes_resolve_vert},
-                              .fragment = {.code = k_volumes_wedge_resolve_frag},
-                              .bindings = bindings};
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(info);
+        sampledAt(4, kCoverageFormat)};
+    return services.pipelines->graphics({.name = "penumbra_wedges.resolve",
+                                         .vertex = {.code = k_volumes_resolve_vert},
+                                         .fragment = {.code = k_volumes_wedge_resolve_frag},
+                                         .bindings = bindings,
+                                         .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 class PenumbraWedges final : public ShadowAlgorithm {
@@ -76,8 +75,7 @@ void declareVolumes(PassBuilder& passes, const ShadowTask& task, const ViewStenc
     PassRef pass = declareStencilPass(passes, task, "penumbra_wedges.count", stencil, *resolve);
     usesVolumes(pass, volumes);
     pass.record([plan = &volumes, used = &pipelines](PassContext& gpu) {
-        if (plan->pixels.extent.width == 0) return;
-        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &plan->pixels);
+        if (!gpu.clipTo(plan->pixels)) return;
         drawVolumes(gpu, *plan, *used);
     });
 }
@@ -98,17 +96,15 @@ void declareResolve(PassBuilder& passes, const ShadowTask& task, const ViewStenc
                .stencil = stencil.image,
                .coverage = coverage,
                .pixels = lightPixels(*task.light, *task.view)};
-    const VkRect2D& area = task.view->area;
     PassRef pass = passes.raster("penumbra_wedges.resolve");
-    pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+    pass.area(drawnArea(*task.view))
         .writes(task.visibility, {.layer = task.layer, .blend = true}) // 1 outside of `pixels`, as the count left it
         .samples(task.depth)
         .samples(stencil.image)
         .samples(coverage);
     if (task.normals) pass.samples(task.normals);
     pass.record([=](PassContext& gpu) {
-        if (inputs->pixels.extent.width == 0) return;
-        gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &inputs->pixels);
+        if (!gpu.clipTo(inputs->pixels)) return;
         gpu.bind(pipeline, {gpu.constants(0, inputs->constants), gpu.sampled(1, inputs->depth, SamplerKind::nearest, 0),
                             gpu.sampled(2, inputs->normals, SamplerKind::nearest, 0), gpu.stencilOf(3, inputs->stencil),
                             gpu.sampled(4, inputs->coverage, SamplerKind::nearest, 0)});

@@ -46,54 +46,28 @@ struct Plan {
 
 // --- pipelines ---
 
-constexpr BindingInfo kDepthBinding{.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT};
-
-PipelineId tilesPipeline(const AlgorithmServices& services)
-{
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                        kDepthBinding,
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute(
-        {.name = "projected_planar.tiles", .compute = {.code = k_volumes_planar_tiles_comp}, .bindings = bindings});
-}
-
-PipelineId choosePipeline(const AlgorithmServices& services)
-{
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                        {.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    return services.pipelines->compute(
-        {.name = "projected_planar.choose", .compute = {.code = k_volumes_planar_choose_comp}, .bindings = bindings});
-}
+constexpr BindingInfo kDepthBinding = sampledAt(1, VK_FORMAT_D32_SFLOAT);
 
 PipelineId castersPipeline(const AlgorithmServices& services)
 {
-    constexpr BindingInfo bindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                        {.binding = 1, .kind = BindingKind::storageBuffer},
-                                        {.binding = 2, .kind = BindingKind::storageBuffer}};
-    GraphicsPipelineInfo info{.name = "projected_planar.casters",
-                              .vertex = {.code = k_volumes_planar_vert},
-                              .fragment = {.code = k_shared_umbra_frag},
-                              .bindings = bindings,
-                              .pushBytes = sizeof(gpu::PlanarPush)};
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics({.name = "projected_planar.casters",
+                                         .vertex = {.code = k_volumes_planar_vert},
+                                         .fragment = {.code = k_shared_umbra_frag},
+                                         .bindings = std::array{constantsAt(0), bufferAt(1), bufferAt(2)},
+                                         .pushBytes = sizeof(gpu::PlanarPush),
+                                         .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 PipelineId resolvePipeline(const AlgorithmServices& services)
 {
-    constexpr BindingInfo bindings[] = {
-        {.binding = 0, .kind = BindingKind::constants},
-        kDepthBinding,
-        {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-        {.binding = 3, .kind = BindingKind::storageBuffer}};
-    GraphicsPipelineInfo info{.name = "projected_planar.resolve",
-                              .vertex = {.code = k_volumes_resolve_vert},
-                              .fragment = {.code = k_volumes_planar_resolve_frag},
-                              .bindings = bindings};
-    info.blendScale = true;
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(info);
+    constexpr BindingInfo bindings[] = {constantsAt(0), kDepthBinding, sampledAt(2, VK_FORMAT_R16G16B16A16_SFLOAT),
+                                        bufferAt(3)};
+    return services.pipelines->graphics({.name = "projected_planar.resolve",
+                                         .vertex = {.code = k_volumes_resolve_vert},
+                                         .fragment = {.code = k_volumes_planar_resolve_frag},
+                                         .bindings = bindings,
+                                         .blendScale = true,
+                                         .colorFormat = VK_FORMAT_R8_UNORM});
 }
 
 // --- what there is ---
@@ -193,8 +167,11 @@ void drawCasters(PassContext& gpu, const Plan& plan, PipelineId pipeline)
 class ProjectedPlanar final : public ShadowAlgorithm {
 public:
     explicit ProjectedPlanar(const AlgorithmServices& services)
-        : pipelines_{tilesPipeline(services), choosePipeline(services), castersPipeline(services),
-                     resolvePipeline(services)}
+        : pipelines_{services.pipelines->compute("projected_planar.tiles", {k_volumes_planar_tiles_comp},
+                                                 {constantsAt(0), kDepthBinding, bufferAt(2)}),
+                     services.pipelines->compute("projected_planar.choose", {k_volumes_planar_choose_comp},
+                                                 {constantsAt(0), bufferAt(1), bufferAt(2)}),
+                     castersPipeline(services), resolvePipeline(services)}
     {
     }
 
@@ -202,17 +179,15 @@ public:
     {
         Plan* plan = makePlan(passes, task);
         declarePlane(passes, pipelines_, *plan);
-        const VkRect2D& area = task.view->area;
         PassRef pass = passes.raster("projected_planar.shadows");
-        pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+        pass.area(drawnArea(*task.view))
             .writes(task.visibility,
                     {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
             .samples(task.depth)
             .reads(plan->plane);
         if (task.normals) pass.samples(task.normals);
         pass.record([plan, pipelines = &pipelines_](PassContext& gpu) {
-            if (plan->pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
-            gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &plan->pixels);
+            if (!gpu.clipTo(plan->pixels)) return; // the light reaches no pixel: 1 everywhere, as cleared
             drawCasters(gpu, *plan, pipelines->casters);
             gpu.bind(pipelines->resolve,
                      {gpu.constants(0, plan->resolve), gpu.sampled(1, plan->depth, SamplerKind::nearest, 0),

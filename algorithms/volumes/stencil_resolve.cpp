@@ -10,31 +10,19 @@ namespace gnomon {
 
 namespace {
 
-constexpr BindingInfo kResolveBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},
-    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-    {.binding = 3, .kind = BindingKind::storageBuffer}};
+constexpr BindingInfo kResolveBindings[] = {constantsAt(0), sampledAt(1, VK_FORMAT_D32_SFLOAT),
+                                            sampledAt(2, VK_FORMAT_R16G16B16A16_SFLOAT), bufferAt(3)};
 
 PipelineId makeResolvePipeline(const AlgorithmServices& services, const char* name, std::uint32_t part)
 {
-    const VkStencilOpState test{.failOp = VK_STENCIL_OP_KEEP,
-                                .passOp = VK_STENCIL_OP_KEEP,
-                                .depthFailOp = VK_STENCIL_OP_KEEP,
-                                .compareOp =
-                                    part == gpu::RESOLVE_UNCOUNTED ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL,
-                                .compareMask = 0xff,
-                                .writeMask = 0,
-                                .reference = 0};
-    GraphicsPipelineInfo info{
-        .name = name,
-        .vertex = {.code = k_volumes_resolve_tiles_vert, .specializationCount = 1, .specialization = {part}},
-        .fragment = {.code = k_volumes_resolve_frag, .specializationCount = 1, .specialization = {part}},
-        .bindings = kResolveBindings};
-    info.stencil = {.enable = true, .front = test, .back = test};
-    info.colorFormat = VK_FORMAT_R8_UNORM;
-    info.depthFormat = kStencilFormat;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics(
+        {.name = name,
+         .vertex = {k_volumes_resolve_tiles_vert, 1, {part}},
+         .fragment = {k_volumes_resolve_frag, 1, {part}},
+         .bindings = kResolveBindings,
+         .stencil = stencilTest(part == gpu::RESOLVE_UNCOUNTED ? VK_COMPARE_OP_EQUAL : VK_COMPARE_OP_NOT_EQUAL),
+         .colorFormat = VK_FORMAT_R8_UNORM,
+         .depthFormat = kStencilFormat});
 }
 
 } // namespace
@@ -75,10 +63,9 @@ PassRef declareStencilPass(PassBuilder& passes, const ShadowTask& task, const ch
     resolve.tiles = stencil.tiles;
     resolve.pixels = lightPixels(*task.light, *task.view);
 
-    const VkRect2D& area = task.view->area;
     PassRef pass = passes.raster(name);
-    pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
-        .writes(task.visibility, {.layer = task.layer, .clear = true, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}})
+    pass.area(drawnArea(*task.view))
+        .writes(task.visibility, visibilityIn(*task.view, task.layer, {}))
         .depthTest(stencil.image)
         .stencilWrite(stencil.image, {.clear = true})
         .samples(task.depth)

@@ -45,8 +45,7 @@ void recordResolve(PassContext& gpu, const StencilResolve& resolve, const Resolv
 template <typename Draw>
 void recordStencilPass(PassContext& gpu, const StencilResolve& resolve, const ResolvePipelines& pipelines, Draw&& draw)
 {
-    if (resolve.pixels.extent.width == 0) return; // the light reaches no pixel: 1 everywhere, as cleared
-    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &resolve.pixels);
+    if (!gpu.clipTo(resolve.pixels)) return; // the light reaches no pixel: 1 everywhere, as cleared
     draw(gpu);
     recordResolve(gpu, resolve, pipelines);
 }

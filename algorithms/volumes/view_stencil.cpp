@@ -70,16 +70,6 @@ void recordDepthIn(const PassContext& gpu, BufferId buffer, ImageId image, const
     gpu.vk->vkCmdCopyBufferToImage2(gpu.cmd, &copy);
 }
 
-constexpr BindingInfo kStripBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},
-    {.binding = 1, .kind = BindingKind::storageBuffer},
-    {.binding = 2, .kind = BindingKind::sampledImage, .format = VK_FORMAT_R16G16B16A16_SFLOAT},
-    {.binding = 3, .kind = BindingKind::storageBuffer}};
-constexpr BindingInfo kTileBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                         {.binding = 1, .kind = BindingKind::storageBuffer},
-                                         {.binding = 2, .kind = BindingKind::storageBuffer},
-                                         {.binding = 3, .kind = BindingKind::storageBuffer}};
-
 /// Column where the first strip of a row begins.
 std::uint32_t firstColumn(const VkRect2D& area)
 {
@@ -147,12 +137,11 @@ const char* missingForStencil(const DeviceTable& vk)
 
 ViewStencilPipelines makeViewStencilPipelines(const AlgorithmServices& services)
 {
-    return {.strips = services.pipelines->compute({.name = "volumes.receiver_strips",
-                                                   .compute = {.code = k_volumes_receiver_strips_comp},
-                                                   .bindings = kStripBindings}),
-            .tiles = services.pipelines->compute({.name = "volumes.receiver_tiles",
-                                                  .compute = {.code = k_volumes_receiver_tiles_comp},
-                                                  .bindings = kTileBindings})};
+    return {.strips = services.pipelines->compute(
+                "volumes.receiver_strips", {k_volumes_receiver_strips_comp},
+                {constantsAt(0), bufferAt(1), sampledAt(2, VK_FORMAT_R16G16B16A16_SFLOAT), bufferAt(3)}),
+            .tiles = services.pipelines->compute("volumes.receiver_tiles", {k_volumes_receiver_tiles_comp},
+                                                 {constantsAt(0), bufferAt(1), bufferAt(2), bufferAt(3)})};
 }
 
 const char* refusesView(const DeviceTable& vk, const CameraView& view)

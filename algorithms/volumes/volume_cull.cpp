@@ -24,19 +24,6 @@ constexpr std::size_t kLeastCandidates = 4;
 // Head of the list of reached boxes: count and needed umbrae.
 constexpr VkDeviceSize kReachedHead = 16;
 
-constexpr BindingInfo kBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},     {.binding = 1, .kind = BindingKind::storageBuffer},
-    {.binding = 2, .kind = BindingKind::storageBuffer}, {.binding = 3, .kind = BindingKind::storageBuffer},
-    {.binding = 4, .kind = BindingKind::storageBuffer}, {.binding = 5, .kind = BindingKind::storageBuffer},
-    {.binding = 6, .kind = BindingKind::storageBuffer}};
-
-PipelineId makeCompute(const AlgorithmServices& services, const char* name, std::span<const std::uint32_t> code,
-                       std::size_t bindings)
-{
-    return services.pipelines->compute(
-        {.name = name, .compute = {.code = code}, .bindings = std::span(kBindings).first(bindings)});
-}
-
 std::uint32_t groups(std::size_t invocations)
 {
     return static_cast<std::uint32_t>((invocations + gpu::CULL_GROUP - 1) / gpu::CULL_GROUP);
@@ -248,8 +235,11 @@ void replaceCommands(std::span<VolumeDraw> draws, const VolumeList& list, Buffer
 
 VolumeCullPipelines makeVolumeCullPipelines(const AlgorithmServices& services)
 {
-    return {.reached = makeCompute(services, "volumes.reached", k_volumes_reached_tiles_comp, 4),
-            .cull = makeCompute(services, "volumes.cull", k_volumes_cull_volumes_comp, 7)};
+    return {.reached = services.pipelines->compute("volumes.reached", {k_volumes_reached_tiles_comp},
+                                                   {constantsAt(0), bufferAt(1), bufferAt(2), bufferAt(3)}),
+            .cull = services.pipelines->compute(
+                "volumes.cull", {k_volumes_cull_volumes_comp},
+                {constantsAt(0), bufferAt(1), bufferAt(2), bufferAt(3), bufferAt(4), bufferAt(5), bufferAt(6)})};
 }
 
 void declareCull(PassBuilder& passes, const VolumeCullPipelines& pipelines, const ShadowTask& task,

@@ -34,11 +34,9 @@ float pushBy(const CameraView& view, float share)
     return -view.projection[3][2] * share / (1.0f + share);
 }
 
-constexpr BindingInfo kVolumeBindings[] = {{.binding = 0, .kind = BindingKind::constants},
-                                           {.binding = 1, .kind = BindingKind::storageBuffer},
-                                           {.binding = 2, .kind = BindingKind::storageBuffer},
-                                           {.binding = 3, .kind = BindingKind::storageBuffer},  // of allEdges
-                                           {.binding = 4, .kind = BindingKind::storageBuffer}}; // likewise
+constexpr BindingInfo kVolumeBindings[] = {constantsAt(0), bufferAt(1), bufferAt(2),
+                                           bufferAt(3),  // of allEdges
+                                           bufferAt(4)}; // likewise
 
 // --- pipelines ---
 

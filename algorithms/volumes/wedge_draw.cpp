@@ -11,29 +11,27 @@ namespace gnomon {
 
 namespace {
 
-constexpr BindingInfo kBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},     {.binding = 1, .kind = BindingKind::storageBuffer},
-    {.binding = 2, .kind = BindingKind::storageBuffer}, {.binding = 3, .kind = BindingKind::storageBuffer},
-    {.binding = 4, .kind = BindingKind::constants},     {.binding = 5, .kind = BindingKind::storageBuffer}};
+constexpr BindingInfo kBindings[] = {constantsAt(0), bufferAt(1),    bufferAt(2),
+                                     bufferAt(3),    constantsAt(4), bufferAt(5)};
 
 /// @param before the hull's near side where it lies before the receiver; else its far side where that lies behind.
 /// Either meets every pixel of the penumbra once and leaves it to the shader to find out about the other side. The near
 /// side lets go of what lies behind walls and under the ground, most of what wedges cover; the eye must not be inside.
 PipelineId makePipeline(const AlgorithmServices& services, const char* name, bool reversed, bool before)
 {
-    GraphicsPipelineInfo info{.name = name,
-                              .vertex = {.code = k_volumes_wedge_vert},
-                              .fragment = {.code = k_volumes_wedge_frag},
-                              .bindings = kBindings,
-                              .pushBytes = sizeof(gpu::WedgePush)};
-    info.cullMode = before ? VK_CULL_MODE_BACK_BIT : VK_CULL_MODE_FRONT_BIT;
-    info.depthTest = true;
-    info.depthCompare = reversed == before ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS;
-    info.depthClamp = !before && services.vk->enabled.depthClamp; // a far side behind a finite far plane is one
-    info.blendScale = true;
-    info.colorFormat = kCoverageFormat;
-    info.depthFormat = kStencilFormat;
-    return services.pipelines->graphics(info);
+    return services.pipelines->graphics(
+        {.name = name,
+         .vertex = {.code = k_volumes_wedge_vert},
+         .fragment = {.code = k_volumes_wedge_frag},
+         .bindings = kBindings,
+         .pushBytes = sizeof(gpu::WedgePush),
+         .cullMode = before ? VkCullModeFlags{VK_CULL_MODE_BACK_BIT} : VkCullModeFlags{VK_CULL_MODE_FRONT_BIT},
+         .depthTest = true,
+         .depthCompare = reversed == before ? VK_COMPARE_OP_GREATER : VK_COMPARE_OP_LESS,
+         .depthClamp = !before && services.vk->enabled.depthClamp, // a far side behind a finite far plane is one
+         .blendScale = true,
+         .colorFormat = kCoverageFormat,
+         .depthFormat = kStencilFormat});
 }
 
 /// Whether a wedge of a source with these bounds may touch the near rectangle.
@@ -82,8 +80,7 @@ void drawParts(PassContext& gpu, const WedgePlan& plan, const VolumeDraw& draw, 
 
 void recordWedges(PassContext& gpu, const WedgePlan& plan, const WedgePipelines& pipelines)
 {
-    if (plan.pixels.extent.width == 0) return;
-    gpu.vk->vkCmdSetScissor(gpu.cmd, 0, 1, &plan.pixels);
+    if (!gpu.clipTo(plan.pixels)) return;
     const Bound constants = gpu.constants(0, volumeConstants(*plan.view, *plan.light, plan.bounded));
     const Bound wedges = gpu.constants(4, wedgeConstants(plan));
     const std::size_t reversed = plan.view->reversed() ? 1 : 0;
@@ -156,9 +153,8 @@ ImageId declareWedges(PassBuilder& passes, const ShadowTask& task, const char* n
                                                         .scope = Scope::view,
                                                         .format = kCoverageFormat,
                                                         .extent = task.view->extent});
-    const VkRect2D& area = task.view->area;
     PassRef pass = passes.raster(name);
-    pass.area({area.offset.x, area.offset.y, area.extent.width, area.extent.height})
+    pass.area(drawnArea(*task.view))
         .writes(coverage, {.clear = true, .value = {.color = {{0.0f, 0.0f, 0.0f, 0.0f}}}, .blend = true})
         .depthTest(stencil.image)
         .reads(stencil.depths)

@@ -145,6 +145,13 @@ inline Part visibilityIn(const CameraView& view, std::uint32_t layer, const VkRe
     return {.layer = layer, .clear = !whole, .value = {.color = {{1.0f, 0.0f, 0.0f, 0.0f}}}};
 }
 
+/// The view's area, of passes that draw it.
+inline Rect drawnArea(const CameraView& view)
+{
+    const auto& [offset, extent] = view.area;
+    return {offset.x, offset.y, extent.width, extent.height};
+}
+
 /// One pass under declaration; finished by record() or run(). Chained, then forgotten.
 class PassRef {
 public:

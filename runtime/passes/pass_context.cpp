@@ -111,6 +111,12 @@ void PassContext::pushBytes(const void* data, std::size_t size, std::size_t offs
                            static_cast<std::uint32_t>(size), data);
 }
 
+bool PassContext::clipTo(const VkRect2D& pixels) const
+{
+    if (pixels.extent.width != 0) vk->vkCmdSetScissor(cmd, 0, 1, &pixels);
+    return pixels.extent.width != 0;
+}
+
 void PassContext::drawFullscreen()
 {
     vk->vkCmdDraw(cmd, 3, 1, 0, 0);

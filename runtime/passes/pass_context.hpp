@@ -74,6 +74,8 @@ public:
         pushBytes(&block, sizeof(T));
     }
 
+    /// Limits what is drawn to these pixels. @return false: there are none
+    bool clipTo(const VkRect2D& pixels) const;
     /// One triangle over the area (shared/fullscreen.vert).
     void drawFullscreen();
     void drawCasters(const CasterDraw& draw);

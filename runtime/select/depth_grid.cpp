@@ -16,9 +16,9 @@ struct GridConstants {
 };
 
 constexpr BindingInfo kBindings[] = {
-    {.binding = 0, .kind = BindingKind::constants},
-    {.binding = 1, .kind = BindingKind::sampledImage, .format = VK_FORMAT_D32_SFLOAT},
-    {.binding = 2, .kind = BindingKind::storageBuffer},
+    constantsAt(0),
+    sampledAt(1, VK_FORMAT_D32_SFLOAT),
+    bufferAt(2),
 };
 
 std::uint32_t tilesAcross(std::uint32_t pixels)

@@ -9,10 +9,7 @@
 namespace gnomon {
 namespace {
 
-constexpr BindingInfo kBindings[] = {{.binding = 0, .kind = BindingKind::storageBuffer},
-                                     {.binding = 1, .kind = BindingKind::storageBuffer},
-                                     {.binding = 2, .kind = BindingKind::storageBuffer},
-                                     {.binding = 3, .kind = BindingKind::storageBuffer}}; // of positions
+constexpr BindingInfo kBindings[] = {bufferAt(0), bufferAt(1), bufferAt(2), bufferAt(3)}; // of positions
 constexpr std::size_t kUnwatched = 3;
 
 VkDescriptorBufferInfo whole(VkBuffer buffer)

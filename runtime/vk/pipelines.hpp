@@ -2,6 +2,7 @@
 // Pipelines by description: created on a background thread, executed once on a tiny target (that is when a software
 // device compiles), only then ready.
 #include <cstdint>
+#include <initializer_list>
 #include <span>
 
 #include "gnomon/gnomon.h"
@@ -36,6 +37,33 @@ struct BindingInfo {
     bool powerOfTwo = false; ///< Images: sides are powers of two (maps), or arbitrary (screen).
     bool stencil = false;    ///< Images: the stencil aspect of a depth-stencil format is read.
 };
+constexpr BindingInfo constantsAt(std::uint32_t binding)
+{
+    return {.binding = binding};
+}
+constexpr BindingInfo bufferAt(std::uint32_t binding)
+{
+    return {.binding = binding, .kind = BindingKind::storageBuffer};
+}
+/// An image as large as the screen.
+constexpr BindingInfo sampledAt(std::uint32_t binding, VkFormat format)
+{
+    return {.binding = binding, .kind = BindingKind::sampledImage, .format = format};
+}
+/// An image whose sides are powers of two.
+constexpr BindingInfo mapAt(std::uint32_t binding, VkFormat format, SamplerKind sampler = SamplerKind::nearest)
+{
+    return {.binding = binding,
+            .kind = BindingKind::sampledImage,
+            .format = format,
+            .sampler = sampler,
+            .powerOfTwo = true};
+}
+/// One that a shader writes.
+constexpr BindingInfo storedMapAt(std::uint32_t binding, VkFormat format)
+{
+    return {.binding = binding, .kind = BindingKind::storageImage, .format = format, .powerOfTwo = true};
+}
 
 /// SPIR-V of one stage, static storage. Up to four 32-bit specialization constants with ids 0..3.
 struct ShaderInfo {
@@ -49,6 +77,13 @@ struct StencilInfo {
     VkStencilOpState front{}; ///< Masks and reference as given here, not dynamic.
     VkStencilOpState back{};
 };
+/// The same of front and back; what a test fails leaves the stencil as it is.
+constexpr StencilInfo stencilTest(VkCompareOp compare, std::uint32_t reference = 0,
+                                  VkStencilOp pass = VK_STENCIL_OP_KEEP, std::uint32_t writeMask = 0)
+{
+    const VkStencilOpState both{VK_STENCIL_OP_KEEP, pass, VK_STENCIL_OP_KEEP, compare, 0xff, writeMask, reference};
+    return {.enable = true, .front = both, .back = both};
+}
 
 /// A graphics pipeline for dynamic rendering. Viewport and scissor are dynamic; cull mode, front face and depth bias
 /// values too where `casters` is set (PassContext::drawCasters sets them).
@@ -88,6 +123,12 @@ public:
     virtual ~PipelineLibrary() = default;
     virtual PipelineId graphics(const GraphicsPipelineInfo& info) = 0;
     virtual PipelineId compute(const ComputePipelineInfo& info) = 0;
+
+    PipelineId compute(const char* name, const ShaderInfo& shader, std::initializer_list<BindingInfo> bindings,
+                       std::uint32_t pushBytes = 0)
+    {
+        return compute({name, shader, {bindings.begin(), bindings.size()}, pushBytes});
+    }
 };
 
 } // namespace gnomon
