@@ -2,7 +2,7 @@
 # BRANCHING: optimised, lavapipe takes 1.11 times as long for `moments` and 1.05 for `pcss` (processor time of
 # `gnomon bench`, alternated).
 gnomon_shared(
-    SOURCES moment_maps.cpp statistics_resolve.cpp
+    SOURCES moment_maps.cpp
     SHADERS filtered/box_means.comp
             filtered/moments_rows.comp
             filtered/moments_columns.comp:WORDS=1:filtered/moments_columns1.comp

@@ -33,6 +33,14 @@ gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light);
 bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::uint32_t variant, ImageId image,
                 std::uint64_t mapStamp);
 
+/// Where shaders read statistics of a map's layers, in images that hold unsigned integers.
+constexpr BindingInfo momentsAt(std::uint32_t binding)
+{
+    BindingInfo info = mapAt(binding, VK_FORMAT_R32G32B32A32_UINT);
+    info.array = true;
+    return info;
+}
+
 /// Both have the layers of the map, and MomentMaps::format().
 struct MomentImages {
     ImageId map;

@@ -11,8 +11,8 @@
 #include <algorithm>
 
 #include "algorithms/filtered/moment_maps.hpp"
-#include "algorithms/filtered/statistics_resolve.hpp"
 #include "algorithms/shared/contact.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "shaders/filtered_moments_cube_frag.h"
 #include "shaders/filtered_moments_frag.h"
 
@@ -74,6 +74,9 @@ void addMoments(gpu::MomentsConstants& constants, const MomentFilter& filter, fl
     constants.levels = filter.mips ? static_cast<float>(gpu::MOMENT_LEVELS) : 0.0f;
 }
 
+/// The maps, and the smaller ones.
+constexpr BindingInfo kMomentMaps[] = {momentsAt(5), momentsAt(6)};
+
 class Moments final : public ShadowAlgorithm {
 public:
     explicit Moments(const AlgorithmServices& services)
@@ -81,8 +84,7 @@ public:
           resolve_(services, {.name = "moments.resolve",
                               .fragment = k_filtered_moments_frag,
                               .cube = k_filtered_moments_cube_frag,
-                              .choices = 2,
-                              .levels = true}),
+                              .more = kMomentMaps}),
           contact_(services)
     {
     }
@@ -91,7 +93,7 @@ public:
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
         const MomentFilter filter = filterOf(task.settings);
-        gpu::MomentsConstants& constants = *passes.arena().make<gpu::MomentsConstants>();
+        gpu::MomentsConstants constants{};
         constants.base = mapConstants(task, resolution, 1);
         const LightMap map = declareLightMap(passes, casters_, task, resolution, constants.base,
                                              std::max(filter.border(), kMapBorderTexels), mapFit(task.settings[kFit]));
@@ -99,8 +101,10 @@ public:
         addMoments(constants, filter, static_cast<float>(task.settings[kBleeding]));
         const MomentImages moments = maps_.declare(passes, map, task, resolution, filter);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
-        resolve_.declare(passes, task, map.image, moments.map, constants, filter.kind == gpu::MOMENTS_MSM,
-                         moments.levels ? moments.levels : moments.map);
+        resolve_.declare(
+            passes, task, map.image, constants,
+            {.filtered = filter.kind == gpu::MOMENTS_MSM,
+             .more = {{{.image = moments.map}, {.image = moments.levels ? moments.levels : moments.map}}}});
         contact_.declare(passes, task, task.settings[kContact]);
     }
 
@@ -109,7 +113,7 @@ public:
 private:
     DepthMapPipelines casters_;
     MomentMaps maps_;
-    StatisticsResolve resolve_; ///< By whether it is MSM.
+    MapResolve resolve_; ///< Filtered: MSM.
     ContactShadows contact_;
     Map map_;
 };

@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include "algorithms/filtered/moment_maps.hpp"
-#include "algorithms/filtered/statistics_resolve.hpp"
 #include "algorithms/filtered/summed_tables.hpp"
+#include "algorithms/shared/map_resolve.hpp"
 #include "algorithms/shared/source_size.hpp"
 #include "shaders/filtered/summed.h"
 #include "shaders/filtered_moments_soft_cube_frag.h"
@@ -38,20 +38,24 @@ constexpr float kMomentBias = 1e-5f;
 // The root of what a variance is off by, 2^-20.
 constexpr float kDeviation = 0x1p-10f;
 
+constexpr BindingInfo kTable[] = {momentsAt(5)};
+
 class MomentsSoft final : public ShadowAlgorithm {
 public:
     explicit MomentsSoft(const AlgorithmServices& services)
         : casters_(makeDepthMapPipelines(services)), tables_(services),
           resolve_(services, {.name = "moments_soft.resolve",
                               .fragment = k_filtered_moments_soft_frag,
-                              .cube = k_filtered_moments_soft_cube_frag})
+                              .cube = k_filtered_moments_soft_cube_frag,
+                              .filters = false,
+                              .more = kTable})
     {
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
     {
         const auto resolution = static_cast<std::uint32_t>(task.settings[kResolution]);
-        gpu::SoftConstants& constants = *passes.arena().make<gpu::SoftConstants>();
+        gpu::SoftConstants constants{};
         constants.base = mapConstants(task, resolution, 1);
         // Without a radius the picture is that of a plain map, from the very same texels.
         const std::uint32_t border = task.light->constants.sourceRadius > 0.0f ? kBorderTexels : kMapBorderTexels;
@@ -59,7 +63,7 @@ public:
         const ImageId table = tables_.declare(passes, map, task, resolution);
         addLight(constants, map.fits.front(), task);
         map_ = handedOut(map.image, map.fits, map.needed, constants.base);
-        resolve_.declare(passes, task, map.image, table, constants);
+        resolve_.declare(passes, task, map.image, constants, {.more = {{{.image = table}}}});
     }
 
     const char* refuses(const ShadowTask& task) const override { return refusesDisc(*task.light); }
@@ -87,7 +91,7 @@ private:
 
     DepthMapPipelines casters_;
     SummedTables tables_;
-    StatisticsResolve resolve_;
+    MapResolve resolve_;
     Map map_;
 };
 

@@ -10,36 +10,34 @@ namespace gnomon {
 
 namespace {
 
-// Of a point light's six faces and, last, of a map that is alone.
-#define GNOMON_LAYER(layer, face)                                                                                      \
-    {                                                                                                                  \
-        layer ".casters" face, layer ".statics" face, layer ".copy_statics" face                                       \
-    }
-#define GNOMON_LAYERS(layer)                                                                                           \
-    {                                                                                                                  \
-        GNOMON_LAYER(layer, ".+x"), GNOMON_LAYER(layer, ".-x"), GNOMON_LAYER(layer, ".+y"),                            \
-            GNOMON_LAYER(layer, ".-y"), GNOMON_LAYER(layer, ".+z"), GNOMON_LAYER(layer, ".-z"),                        \
-            GNOMON_LAYER(layer, "")                                                                                    \
-    }
-constexpr std::uint32_t kAlone = 6;
-
 struct LayerKind {
     const char *image, *statics, *stamp;
-    LayerNames passes[7];
+    LayerNames passes; ///< Of all faces of a point light.
     ConservativeLayer content;
 };
 constexpr LayerKind kKinds[2][2] = {
-    {{"conservative.near", "conservative.near_statics", "conservative.near_stamp", GNOMON_LAYERS("conservative.near"),
+    {{"conservative.near",
+      "conservative.near_statics",
+      "conservative.near_stamp",
+      {"conservative.near.casters", "conservative.near.statics", "conservative.near.copy_statics"},
       ConservativeLayer::nearest},
-     {"conservative.covered", "conservative.covered_statics", "conservative.covered_stamp",
-      GNOMON_LAYERS("conservative.covered"), ConservativeLayer::covered}},
-    {{"conservative.thesis_near", "conservative.thesis_near_statics", "conservative.thesis_near_stamp",
-      GNOMON_LAYERS("conservative.thesis_near"), ConservativeLayer::thesisNearest},
-     {"conservative.thesis_covered", "conservative.thesis_covered_statics", "conservative.thesis_covered_stamp",
-      GNOMON_LAYERS("conservative.thesis_covered"), ConservativeLayer::thesisCovered}},
+     {"conservative.covered",
+      "conservative.covered_statics",
+      "conservative.covered_stamp",
+      {"conservative.covered.casters", "conservative.covered.statics", "conservative.covered.copy_statics"},
+      ConservativeLayer::covered}},
+    {{"conservative.thesis_near",
+      "conservative.thesis_near_statics",
+      "conservative.thesis_near_stamp",
+      {"conservative.thesis_near.casters", "conservative.thesis_near.statics", "conservative.thesis_near.copy_statics"},
+      ConservativeLayer::thesisNearest},
+     {"conservative.thesis_covered",
+      "conservative.thesis_covered_statics",
+      "conservative.thesis_covered_stamp",
+      {"conservative.thesis_covered.casters", "conservative.thesis_covered.statics",
+       "conservative.thesis_covered.copy_statics"},
+      ConservativeLayer::thesisCovered}},
 };
-#undef GNOMON_LAYERS
-#undef GNOMON_LAYER
 
 } // namespace
 
@@ -83,8 +81,8 @@ ConservativeMaps::ConservativeMaps(const AlgorithmServices& services)
 {
     for (const int thesis : {0, 1})
         for (const int covered : {0, 1})
-            layers_[thesis][covered] = makeConservativePipeline(
-                services, kKinds[thesis][covered].passes[kAlone].casters, kKinds[thesis][covered].content);
+            layers_[thesis][covered] = makeConservativePipeline(services, kKinds[thesis][covered].passes.casters,
+                                                                kKinds[thesis][covered].content);
 }
 
 ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
@@ -103,7 +101,7 @@ ImageId ConservativeMaps::declareLayer(PassBuilder& passes, const ShadowTask& ta
         if ((view.needed & (1u << layer)) == 0) continue;
         const ConservativeCasters casters(layers_[thesis][covered], kind.content, &view.projections[layer]);
         const LayerContent content = conservativeContent(task, view, layer, 0, passes.arena());
-        map.update(layer, kind.passes[layers == 1 ? kAlone : layer], content, casters);
+        map.update(layer, kind.passes, content, casters);
     }
     return map.image();
 }
@@ -124,23 +122,8 @@ ImageId ConservativeMaps::declareCovered(PassBuilder& passes, const ShadowTask& 
 
 namespace {
 
-/// Of the under-estimated layer, beside the other's at binding 4; of point lights last.
-constexpr BindingInfo kCovered[2] = {
-    {.binding = 6, .kind = BindingKind::sampledImage, .format = kMapFormat, .powerOfTwo = true},
-    {.binding = 6, .kind = BindingKind::sampledImage, .format = kMapFormat, .array = true, .powerOfTwo = true}};
-
-/// Asks the map: writes the task's visibility, UNDECIDED where the map cannot answer.
-MapResolve makeClassify(const AlgorithmServices& services, const char* name, bool point)
-{
-    return {services,
-            {.name = name,
-             .fragment = point ? std::span<const std::uint32_t>(k_hybrid_conservative_classify_cube_frag)
-                               : std::span<const std::uint32_t>(k_hybrid_conservative_classify_frag),
-             .layers = point,
-             .filters = false,
-             .more = std::span(kCovered).subspan(point, 1),
-             .sampler = SamplerKind::nearest}};
-}
+/// Of the under-estimated layer, beside the other's at binding 4.
+constexpr BindingInfo kCovered[] = {mapAt(6, kMapFormat)};
 
 gpu::ConservativeConstants constantsOf(const ShadowTask& task, const ConservativeMapView& view, bool thesis,
                                        bool reasons)
@@ -160,8 +143,13 @@ gpu::ConservativeConstants constantsOf(const ShadowTask& task, const Conservativ
 
 ConservativeMethod::ConservativeMethod(const AlgorithmServices& services, const char* classify,
                                        const UndecidedNames& names)
-    : vk_(*services.vk),
-      maps_(services), classify_{makeClassify(services, classify, false), makeClassify(services, classify, true)},
+    : vk_(*services.vk), maps_(services),
+      classify_(services, {.name = classify, // UNDECIDED where the map cannot answer
+                           .fragment = k_hybrid_conservative_classify_frag,
+                           .cube = k_hybrid_conservative_classify_cube_frag,
+                           .filters = false,
+                           .more = kCovered,
+                           .sampler = SamplerKind::nearest}),
       names_(names)
 {
     if (vk_.prefersRays) onDevice_.emplace(services, names);
@@ -182,9 +170,8 @@ void ConservativeMethod::declare(PassBuilder& passes, const ShadowTask& task)
         insides.byte = reasons ? static_cast<std::uint8_t>(gpu::REASON_MAP_LIT) : std::uint8_t{255};
         insides.where = nearClip(*task.view, task.casters->all);
     }
-    const bool point = task.light->type == GN_LIGHT_TYPE_POINT;
-    classify_[point].declare(passes, task, nearest, constantsOf(task, view, thesis, reasons),
-                             {.more = {{{.image = covered}}}});
+    classify_.declare(passes, task, nearest, constantsOf(task, view, thesis, reasons),
+                      {.more = {{{.image = covered}}}});
     if (task.rays)
         onDevice_->declare(passes, task, reasons, insides);
     else

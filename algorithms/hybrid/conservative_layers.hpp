@@ -78,7 +78,7 @@ protected:
 private:
     const DeviceTable& vk_;
     ConservativeMaps maps_;
-    MapResolve classify_[2]; ///< [point light]
+    MapResolve classify_;
     UndecidedNames names_;
     std::optional<UndecidedOnDevice> onDevice_; ///< Where ShadowTask::rays may be given.
 };

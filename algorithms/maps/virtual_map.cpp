@@ -22,7 +22,6 @@
 #include "algorithms/shared/light_map.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "shaders/maps_virtual_map_frag.h"
-#include "shaders/shared_map_resolve_vert.h"
 
 namespace gnomon {
 
@@ -110,21 +109,7 @@ struct PageTable {
     std::uint64_t stamp = 0;
 };
 
-PipelineId resolvePipeline(const AlgorithmServices& services, bool cube, bool normals, bool filtered)
-{
-    const auto look = lookupBindings(true);
-    BindingInfo bindings[5];
-    std::ranges::copy(look, bindings);
-    bindings[4] = {.binding = 5, .kind = BindingKind::storageBuffer};
-    GraphicsPipelineInfo pipeline;
-    pipeline.name = "virtual_map.resolve";
-    pipeline.vertex.code = k_shared_map_resolve_vert;
-    pipeline.fragment = {
-        .code = k_maps_virtual_map_frag, .specializationCount = 3, .specialization = {normals, filtered, cube}};
-    pipeline.bindings = bindings;
-    pipeline.colorFormat = VK_FORMAT_R8_UNORM;
-    return services.pipelines->graphics(pipeline);
-}
+constexpr BindingInfo kTableBinding[] = {bufferAt(5)};
 
 std::uint32_t windowOf(const Page& page, int finest)
 {
@@ -197,12 +182,13 @@ PageTable tableOf(std::span<const PlacedPage> pages, const PageRequests& request
 class VirtualMap final : public ShadowAlgorithm {
 public:
     explicit VirtualMap(const AlgorithmServices& services)
-        : casters_(makeDepthMapPipelines(services)), contact_(services)
+        : casters_(makeDepthMapPipelines(services)), resolve_(services, {.name = "virtual_map.resolve",
+                                                                         .fragment = k_maps_virtual_map_frag,
+                                                                         .cube = k_maps_virtual_map_frag,
+                                                                         .layers = true,
+                                                                         .more = kTableBinding}),
+          contact_(services)
     {
-        for (const bool cube : {false, true})
-            for (const bool normals : {false, true})
-                for (const bool filtered : {false, true})
-                    resolve_[cube][normals][filtered] = resolvePipeline(services, cube, normals, filtered);
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -220,7 +206,7 @@ public:
                      kept.requests.withoutRoom());
         const ImageId image = declarePages(passes, task, pool, grids, pages);
 
-        gpu::VirtualMapConstants& constants = *arena.make(gpu::VirtualMapConstants{});
+        gpu::VirtualMapConstants constants{};
         const Page finest = pageOf(pages.front().key);
         constants.base = mapConstants(task, pool.side, filterSide(task.settings[kFilter]));
         const glm::dvec2 base = addBase(finest, grids, task, pool.side, constants.base);
@@ -230,7 +216,9 @@ public:
         constants.pageTexels = static_cast<float>(pool.side - 2 * pool.border);
         constants.border = static_cast<float>(pool.border);
         const PageTable table = tableOf(pages, kept.requests, grids, base, constants, arena);
-        declareResolve(passes, task, image, constants, declareTable(passes, table));
+        resolve_.declare(
+            passes, task, image, constants,
+            {.filtered = constants.base.map.filterSide > 1.0f, .more = {{{.buffer = declareTable(passes, table)}}}});
         contact_.declare(passes, task, task.settings[kContact]);
     }
 
@@ -338,23 +326,9 @@ private:
         return list.buffer;
     }
 
-    void declareResolve(PassBuilder& passes, const ShadowTask& task, ImageId image,
-                        const gpu::VirtualMapConstants& constants, BufferId table) const
-    {
-        const LookupImages look(task, image);
-        LookupPass resolve(passes, task, "virtual_map.resolve", look);
-        resolve.uses.reads(table);
-        const bool cube = task.light->type == GN_LIGHT_TYPE_POINT;
-        const PipelineId pipeline = resolve_[cube][look.hasNormals][constants.base.map.filterSide > 1.0f];
-        resolve.record([=, block = &constants](PassContext& gpu) {
-            gpu.bind(pipeline, {gpu.constants(0, *block), gpu.sampled(2, look.depth), gpu.sampled(3, look.normals),
-                                gpu.sampled(4, look.map, SamplerKind::nearestBorderFar), gpu.storage(5, table)});
-        });
-    }
-
     DepthMapPipelines casters_;
+    MapResolve resolve_;
     ContactShadows contact_;
-    PipelineId resolve_[2][2][2];                  ///< [point light][has normals][filtered]
     std::unordered_map<std::uint64_t, Kept> kept_; ///< By view and light.
 };
 
