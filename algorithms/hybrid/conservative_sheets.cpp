@@ -15,38 +15,11 @@ namespace {
 
 // --- names ---
 
-// Of a point light's six faces and, last, of a map that is alone.
-constexpr LayerNames kLayers[7] = {
-    {"sheets.casters.+x", "sheets.statics.+x", "sheets.copy_statics.+x"},
-    {"sheets.casters.-x", "sheets.statics.-x", "sheets.copy_statics.-x"},
-    {"sheets.casters.+y", "sheets.statics.+y", "sheets.copy_statics.+y"},
-    {"sheets.casters.-y", "sheets.statics.-y", "sheets.copy_statics.-y"},
-    {"sheets.casters.+z", "sheets.statics.+z", "sheets.copy_statics.+z"},
-    {"sheets.casters.-z", "sheets.statics.-z", "sheets.copy_statics.-z"},
-    {"sheets.casters", "sheets.statics", "sheets.copy_statics"},
-};
-constexpr LayerNames kThesisLayers[7] = {
-    {"sheets.thesis_casters.+x", "sheets.thesis_statics.+x", "sheets.thesis_copy_statics.+x"},
-    {"sheets.thesis_casters.-x", "sheets.thesis_statics.-x", "sheets.thesis_copy_statics.-x"},
-    {"sheets.thesis_casters.+y", "sheets.thesis_statics.+y", "sheets.thesis_copy_statics.+y"},
-    {"sheets.thesis_casters.-y", "sheets.thesis_statics.-y", "sheets.thesis_copy_statics.-y"},
-    {"sheets.thesis_casters.+z", "sheets.thesis_statics.+z", "sheets.thesis_copy_statics.+z"},
-    {"sheets.thesis_casters.-z", "sheets.thesis_statics.-z", "sheets.thesis_copy_statics.-z"},
-    {"sheets.thesis_casters", "sheets.thesis_statics", "sheets.thesis_copy_statics"},
-};
+constexpr LayerNames kLayers{"sheets.casters", "sheets.statics", "sheets.copy_statics"};
+constexpr LayerNames kThesisLayers{"sheets.thesis_casters", "sheets.thesis_statics", "sheets.thesis_copy_statics"};
 // The passes that find the sheets of a layer's static and of its moving casters.
-struct SheetNames {
-    const char *slope, *centre;
-};
-constexpr SheetNames kSheets[7][2] = {
-    {{"sheets.slope.+x", "sheets.centre.+x"}, {"sheets.moving_slope.+x", "sheets.moving_centre.+x"}},
-    {{"sheets.slope.-x", "sheets.centre.-x"}, {"sheets.moving_slope.-x", "sheets.moving_centre.-x"}},
-    {{"sheets.slope.+y", "sheets.centre.+y"}, {"sheets.moving_slope.+y", "sheets.moving_centre.+y"}},
-    {{"sheets.slope.-y", "sheets.centre.-y"}, {"sheets.moving_slope.-y", "sheets.moving_centre.-y"}},
-    {{"sheets.slope.+z", "sheets.centre.+z"}, {"sheets.moving_slope.+z", "sheets.moving_centre.+z"}},
-    {{"sheets.slope.-z", "sheets.centre.-z"}, {"sheets.moving_slope.-z", "sheets.moving_centre.-z"}},
-    {{"sheets.slope", "sheets.centre"}, {"sheets.moving_slope", "sheets.moving_centre"}},
-};
+constexpr const char* kSlopes[2] = {"sheets.slope", "sheets.moving_slope"};
+constexpr const char* kCentres[2] = {"sheets.centre", "sheets.moving_centre"};
 
 // --- lists that the CPU makes ---
 
@@ -136,7 +109,7 @@ public:
     SheetCasters(const ConservativeCasters& covered, const ConservativeSheets::Pipelines& pipelines,
                  const ShadowTask& task, const ConservativeMapView& view, std::uint32_t layer)
         : covered_(covered), pipelines_(pipelines), light_(task.light), projection_(&view.projections[layer]),
-          resolution_(view.resolution), names_(kSheets[view.fits.size() == 1 ? 6 : layer])
+          resolution_(view.resolution), layer_(layer)
     {
     }
 
@@ -180,8 +153,7 @@ private:
     ConservativeSheets::Pipelines pipelines_;
     const LightView* light_;
     const ConservativeProjection* projection_;
-    std::uint32_t resolution_;
-    const SheetNames* names_; ///< Of the static and the moving casters.
+    std::uint32_t resolution_, layer_;
     Sheets sheets_[2];
 };
 
@@ -200,7 +172,8 @@ Sheets SheetCasters::declareSheets(PassBuilder& passes, std::span<const Caster* 
     const Sheets sheets{.slopes = image(passes, "sheets.slopes", group),
                         .centres = image(passes, "sheets.centres", group),
                         .errors = errorsOf(*projection_, with)};
-    PassRef slope = passes.raster(names_[group].slope, Scope::light, resolution_);
+    const std::uint32_t variant = 8 * resolution_ + layer_;
+    PassRef slope = passes.raster(kSlopes[group], Scope::light, variant);
     for (const BufferId list : borders)
         slope.reads(list).indirect(list);
     const ConservativeCasters faces(pipelines_.slope, ConservativeLayer::slope, projection_);
@@ -210,7 +183,7 @@ Sheets SheetCasters::declareSheets(PassBuilder& passes, std::span<const Caster* 
             faces.drawEdges(gpu, *with[i], borders[i]);
     });
     const ConservativeCasters centres(pipelines_.centre, ConservativeLayer::centre, projection_);
-    passes.raster(names_[group].centre, Scope::light, resolution_)
+    passes.raster(kCentres[group], Scope::light, variant)
         .depthWrite(sheets.centres, cleared)
         .record([=](PassContext& gpu) { centres(gpu, with, false); });
     return sheets;
@@ -258,14 +231,14 @@ std::uint64_t sheetSalt(const ShadowTask& task)
 /// @param drawing of a layer's number
 template <typename Drawing>
 ImageId declareLayers(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,
-                      const KeptMapInfo& info, const LayerNames (&names)[7], const Drawing& drawing)
+                      const KeptMapInfo& info, const LayerNames& names, const Drawing& drawing)
 {
     KeptMap map(passes, info);
     const std::uint64_t salt = sheetSalt(task);
     for (std::uint32_t layer = 0; layer < info.layers; ++layer) {
         if ((view.needed & (1u << layer)) == 0) continue;
         const LayerContent content = conservativeContent(task, view, layer, salt, passes.arena());
-        map.update(layer, names[info.layers == 1 ? 6 : layer], content, drawing(layer));
+        map.update(layer, names, content, drawing(layer));
     }
     return map.image();
 }
@@ -276,21 +249,16 @@ ConservativeSheets::ConservativeSheets(const AlgorithmServices& services)
 {
     pipelines_.slope = makeConservativePipeline(services, "sheets.slope", ConservativeLayer::slope);
     pipelines_.centre = makeConservativePipeline(services, "sheets.centre", ConservativeLayer::centre);
-    const BindingInfo map{
-        .kind = BindingKind::sampledImage, .format = kMapFormat, .sampler = SamplerKind::nearest, .powerOfTwo = true};
-    BindingInfo bindings[] = {map, map};
-    bindings[0].binding = 1;
-    bindings[1].binding = 2;
-    GraphicsPipelineInfo info;
-    info.name = "sheets.covered";
-    info.vertex.code = k_shared_fullscreen_vert;
-    info.fragment.code = k_hybrid_conservative_sheets_frag;
-    info.bindings = bindings;
-    info.pushBytes = sizeof(gpu::SheetErrors);
-    info.depthTest = info.depthWrite = true;
-    info.depthCompare = VK_COMPARE_OP_LESS;
-    info.depthFormat = kMapFormat;
-    pipelines_.sheets = services.pipelines->graphics(info);
+    pipelines_.sheets =
+        services.pipelines->graphics({.name = "sheets.covered",
+                                      .vertex = {.code = k_shared_fullscreen_vert},
+                                      .fragment = {.code = k_hybrid_conservative_sheets_frag},
+                                      .bindings = std::array{mapAt(1, kMapFormat), mapAt(2, kMapFormat)},
+                                      .pushBytes = sizeof(gpu::SheetErrors),
+                                      .depthTest = true,
+                                      .depthWrite = true,
+                                      .depthCompare = VK_COMPARE_OP_LESS,
+                                      .depthFormat = kMapFormat});
 }
 
 ImageId ConservativeSheets::declareCovered(PassBuilder& passes, const ShadowTask& task, const ConservativeMapView& view,

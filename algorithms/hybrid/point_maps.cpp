@@ -9,16 +9,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr LayerNames kPointNames[kLightPoints] = {
-    {"point_maps.casters.0", "point_maps.statics.0", "point_maps.copy_statics.0"},
-    {"point_maps.casters.1", "point_maps.statics.1", "point_maps.copy_statics.1"},
-    {"point_maps.casters.2", "point_maps.statics.2", "point_maps.copy_statics.2"},
-    {"point_maps.casters.3", "point_maps.statics.3", "point_maps.copy_statics.3"},
-    {"point_maps.casters.4", "point_maps.statics.4", "point_maps.copy_statics.4"},
-    {"point_maps.casters.5", "point_maps.statics.5", "point_maps.copy_statics.5"},
-    {"point_maps.casters.6", "point_maps.statics.6", "point_maps.copy_statics.6"},
-    {"point_maps.casters.7", "point_maps.statics.7", "point_maps.copy_statics.7"},
-};
+constexpr LayerNames kNames{"point_maps.casters", "point_maps.statics", "point_maps.copy_statics"}; // of all points
 
 } // namespace
 
@@ -69,7 +60,7 @@ ImageId declarePointMaps(PassBuilder& passes, const DepthMapPipelines& pipelines
         const LayerContent content =
             layerContent(*task.light, castersIn(task.casters->statics, fit.volume, arena),
                          castersIn(task.casters->dynamics, fit.volume, arena), Stamp().add(fit.clipFromWorld).value());
-        map.update(i, kPointNames[i], content, DepthCasters(pipelines, fit, from, resolution, arena));
+        map.update(i, kNames, content, DepthCasters(pipelines, fit, from, resolution, arena));
         gpu::MapConstants constants = mapConstants(from, resolution, 1);
         addProjection(constants, fit, from);
         looks[i] = constants.map;

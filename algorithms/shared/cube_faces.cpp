@@ -7,14 +7,7 @@ namespace gnomon {
 
 namespace {
 
-constexpr LayerNames kFaceNames[6] = {
-    {"cube_faces.casters.+x", "cube_faces.statics.+x", "cube_faces.copy_statics.+x"},
-    {"cube_faces.casters.-x", "cube_faces.statics.-x", "cube_faces.copy_statics.-x"},
-    {"cube_faces.casters.+y", "cube_faces.statics.+y", "cube_faces.copy_statics.+y"},
-    {"cube_faces.casters.-y", "cube_faces.statics.-y", "cube_faces.copy_statics.-y"},
-    {"cube_faces.casters.+z", "cube_faces.statics.+z", "cube_faces.copy_statics.+z"},
-    {"cube_faces.casters.-z", "cube_faces.statics.-z", "cube_faces.copy_statics.-z"},
-};
+constexpr LayerNames kNames{"cube_faces.casters", "cube_faces.statics", "cube_faces.copy_statics"}; // of all faces
 
 constexpr std::uint32_t kAllFaces = 0x3f;
 
@@ -74,8 +67,8 @@ CubeMap declareCubeMap(PassBuilder& passes, const DepthMapPipelines& pipelines, 
         const LayerContent content =
             layerContent(*task.light, drawn(task.casters->statics), drawn(task.casters->dynamics), projection);
         stamps[face] = content.stamp;
-        parts[face] = map.update(face, kFaceNames[face], content,
-                                 DepthCasters(pipelines, faces[face], task, resolution, arena, volume));
+        parts[face] =
+            map.update(face, kNames, content, DepthCasters(pipelines, faces[face], task, resolution, arena, volume));
     }
     return {map.image(), faces.data(), resolution, needed, stamps.data(), parts.data()};
 }
