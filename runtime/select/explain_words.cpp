@@ -1,4 +1,5 @@
 // Words for the parts of a decision.
+#include <array>
 #include <cmath>
 
 #include "runtime/base/number_text.hpp"
@@ -6,41 +7,37 @@
 
 namespace gnomon {
 
+namespace {
+
+/// By the numbers of an enumeration.
+template <std::size_t Count>
+const char* wordOf(const std::array<const char*, Count>& texts, std::size_t number)
+{
+    return number < Count ? texts[number] : "unknown";
+}
+
+} // namespace
+
 const char* reasonText(GnReason reason)
 {
-    switch (reason) {
-    case GN_REASON_RULES:
-        return "highest suitability";
-    case GN_REASON_PINNED:
-        return "pinned by the host";
-    case GN_REASON_INCUMBENT:
-        return "a tie, the method already running stays";
-    case GN_REASON_FALLBACK:
-        return "fallback while the wanted method is not ready";
-    case GN_REASON_NOTHING_READY:
-        return "nothing can serve, visibility is 1";
-    case GN_REASON_NO_OPINION:
-        return "no rule has an opinion, fallback";
-    case GN_REASON_BUDGET:
-        return "the plan: better ones do not fit the budget";
-    case GN_REASON_HELD:
-        return "held by the plan's hysteresis";
-    case GN_REASON_PRICE:
-        return "shows as much as the best suited for less, or more for about the same";
-    case GN_REASON_FLOOR:
-        return "what suits better is below the near floor";
-    case GN_REASON_UTILITY:
-        return "the plan: what suits better is worth no more with its quality";
-    case GN_REASON_NOT_RECORDABLE:
-        return "the pinned method cannot be recorded, the rules chose another";
-    case GN_REASON_UNSEEN:
-        return "no pixel can be in its range: nothing runs, visibility is 1";
-    case GN_REASON_TRIAL:
-        return "on trial for a few frames, so that its time is known: it may be cheaper";
-    case GN_REASON_MAX_ENUM:
-        break;
-    }
-    return "unknown";
+    constexpr std::array kTexts = {
+        "highest suitability",
+        "pinned by the host",
+        "a tie, the method already running stays",
+        "fallback while the wanted method is not ready",
+        "nothing can serve, visibility is 1",
+        "no rule has an opinion, fallback",
+        "the plan: better ones do not fit the budget",
+        "held by the plan's hysteresis",
+        "shows as much as the best suited for less, or more for about the same",
+        "what suits better is below the near floor",
+        "the plan: what suits better is worth no more with its quality",
+        "the pinned method cannot be recorded, the rules chose another",
+        "no pixel can be in its range: nothing runs, visibility is 1",
+        "on trial for a few frames, so that its time is known: it may be cheaper",
+    };
+    static_assert(kTexts.size() == GN_REASON_TRIAL + 1);
+    return wordOf(kTexts, static_cast<std::size_t>(reason));
 }
 
 std::string exclusionText(const Candidate& candidate, std::string_view unavailable, const rules::Engine* engine)
@@ -86,52 +83,35 @@ std::string exclusionText(const Candidate& candidate, std::string_view unavailab
 
 const char* holdText(plan::Hold hold)
 {
-    switch (hold) {
-    case plan::Hold::none:
-        return "not held";
-    case plan::Hold::threshold:
-        return "the change would not gain enough";
-    case plan::Hold::margin:
-        return "there is time for it, but not with its first frame and a margin";
-    case plan::Hold::quota:
-        return "other lights were upgraded in this frame";
-    case plan::Hold::spareTime:
-        return "the plan has not been within its budget for long enough";
-    case plan::Hold::ban:
-        return "the light has just left it";
-    case plan::Hold::firstFrame:
-        return "its first frame costs more than the stay would gain";
-    case plan::Hold::trial:
-        return "no light was timed with it yet, and lights try such methods one at a time";
-    }
-    return "unknown";
+    constexpr std::array kTexts = {
+        "not held",
+        "the change would not gain enough",
+        "there is time for it, but not with its first frame and a margin",
+        "other lights were upgraded in this frame",
+        "the plan has not been within its budget for long enough",
+        "the light has just left it",
+        "its first frame costs more than the stay would gain",
+        "no light was timed with it yet, and lights try such methods one at a time",
+    };
+    static_assert(kTexts.size() == static_cast<std::size_t>(plan::Hold::trial) + 1);
+    return wordOf(kTexts, static_cast<std::size_t>(hold));
 }
 
 const char* replanText(Replan replan)
 {
-    switch (replan) {
-    case Replan::everyFrame:
-        return "decided anew, as in every frame without a budget";
-    case Replan::kept:
-        return "the plan was kept";
-    case Replan::host:
-        return "the host pinned the method";
-    case Replan::cut:
-        return "planned anew after a camera cut";
-    case Replan::first:
-        return "the first plan";
-    case Replan::forced:
-        return "planned for lights that were new or had lost their method";
-    case Replan::overBudget:
-        return "the plan was over its budget and repaired";
-    case Replan::gain:
-        return "a better plan was worth the change";
-    case Replan::measuring:
-        return "the cheapest plan runs while the budget is measured";
-    case Replan::count:
-        break;
-    }
-    return "unknown";
+    constexpr std::array kTexts = {
+        "decided anew, as in every frame without a budget",
+        "the plan was kept",
+        "the host pinned the method",
+        "planned anew after a camera cut",
+        "the first plan",
+        "planned for lights that were new or had lost their method",
+        "the plan was over its budget and repaired",
+        "a better plan was worth the change",
+        "the cheapest plan runs while the budget is measured",
+    };
+    static_assert(kTexts.size() == static_cast<std::size_t>(Replan::count));
+    return wordOf(kTexts, static_cast<std::size_t>(replan));
 }
 
 std::string factText(Fact fact, double value)
