@@ -9,6 +9,7 @@
 #include "rules/yaml/presets.hpp"
 #include "rules/yaml/rule_base_shape.hpp"
 #include "runtime/base/float_mode.hpp"
+#include "runtime/base/hash.hpp"
 #include "runtime/base/number_text.hpp"
 
 namespace gnomon::rules {
@@ -16,14 +17,6 @@ namespace {
 
 using yaml::MapReader;
 using yaml::Node;
-
-uint64_t fnv1a(std::string_view text) noexcept
-{
-    uint64_t hash = 0xcbf29ce484222325u;
-    for (const char c : text)
-        hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-    return hash;
-}
 
 class Reader {
 public:
@@ -318,7 +311,7 @@ struct RuleText {
         RuleBase base = Reader(document, root, sink).read();
         base.file = std::string(fileName);
         base.preset = std::string(preset);
-        base.textHash = preset.empty() ? fnv1a(text) : fnv1a(std::string(text) + '\0' + base.preset);
+        base.textHash = preset.empty() ? hashOfBytes(text) : hashOfBytes(std::string(text) + '\0' + base.preset);
         const bool sound = sink.errorCount() == 0;
         const bool onlySentences = std::all_of(sink.all().begin(), sink.all().end(), [](const Diagnostic& finding) {
             return finding.id == "R06" || finding.severity == Severity::Warning;
