@@ -42,91 +42,32 @@ AccessKind writeOf(PassKind kind, bool image, bool blend)
 
 } // namespace
 
-PassRef& PassRef::samples(ImageId image, Part part)
+PassRef& PassRef::add(ImageId image, AccessKind kind, const Part& part)
 {
-    graph_.add(image.index, true, AccessKind::sampled, part);
+    graph_.add(image.index, true, kind, part);
+    return *this;
+}
+PassRef& PassRef::add(BufferId buffer, AccessKind kind)
+{
+    graph_.add(buffer.index, false, kind, {});
     return *this;
 }
 PassRef& PassRef::writes(ImageId image, Part part)
 {
-    graph_.add(image.index, true, writeOf(graph_.pending_.kind, true, part.blend), part);
-    return *this;
-}
-PassRef& PassRef::updates(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::storageUpdate, part);
-    return *this;
-}
-PassRef& PassRef::copies(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::copySource, part);
-    return *this;
-}
-PassRef& PassRef::depthTest(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::depthTest, part);
-    return *this;
-}
-PassRef& PassRef::depthWrite(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::depthWrite, part);
-    return *this;
-}
-PassRef& PassRef::stencilTest(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::stencilTest, part);
-    return *this;
-}
-PassRef& PassRef::stencilWrite(ImageId image, Part part)
-{
-    graph_.add(image.index, true, AccessKind::stencilWrite, part);
-    return *this;
+    return add(image, writeOf(graph_.pending_.kind, true, part.blend), part);
 }
 PassRef& PassRef::reads(BufferId buffer)
 {
-    graph_.add(buffer.index, false, readOf(graph_.pending_.kind), {});
-    return *this;
+    return add(buffer, readOf(graph_.pending_.kind));
 }
 PassRef& PassRef::writes(BufferId buffer)
 {
-    graph_.add(buffer.index, false, writeOf(graph_.pending_.kind, false, false), {});
-    return *this;
+    return add(buffer, writeOf(graph_.pending_.kind, false, false));
 }
 PassRef& PassRef::updates(BufferId buffer)
 {
     const bool cpu = graph_.pending_.kind == PassKind::prepare || graph_.pending_.kind == PassKind::host;
-    graph_.add(buffer.index, false, cpu ? AccessKind::hostWrite : AccessKind::storageUpdate, {});
-    return *this;
-}
-PassRef& PassRef::vertices(BufferId buffer)
-{
-    graph_.add(buffer.index, false, AccessKind::vertex, {});
-    return *this;
-}
-PassRef& PassRef::indices(BufferId buffer)
-{
-    graph_.add(buffer.index, false, AccessKind::index, {});
-    return *this;
-}
-PassRef& PassRef::indirect(BufferId buffer)
-{
-    graph_.add(buffer.index, false, AccessKind::indirect, {});
-    return *this;
-}
-PassRef& PassRef::builds(BufferId buffer)
-{
-    graph_.add(buffer.index, false, AccessKind::build, {});
-    return *this;
-}
-PassRef& PassRef::buildsFrom(BufferId buffer)
-{
-    graph_.add(buffer.index, false, AccessKind::buildInput, {});
-    return *this;
-}
-PassRef& PassRef::traces(BufferId order)
-{
-    graph_.add(order.index, false, AccessKind::trace, {});
-    return *this;
+    return add(buffer, cpu ? AccessKind::hostWrite : AccessKind::storageUpdate);
 }
 PassRef& PassRef::area(Rect rect)
 {
@@ -138,25 +79,9 @@ void PassRef::finish(BodyFn fn, const void* body, std::size_t size, std::size_t 
     graph_.close(fn, body, size, alignment);
 }
 
-PassRef PassBuilder::raster(const char* name, Scope scope, std::uint32_t variant)
+PassRef PassBuilder::open(PassKind kind, const char* name, Scope scope, std::uint32_t variant)
 {
-    return graph_.open(PassKind::raster, name, scope, variant);
-}
-PassRef PassBuilder::compute(const char* name, Scope scope, std::uint32_t variant)
-{
-    return graph_.open(PassKind::compute, name, scope, variant);
-}
-PassRef PassBuilder::transfer(const char* name, Scope scope, std::uint32_t variant)
-{
-    return graph_.open(PassKind::transfer, name, scope, variant);
-}
-PassRef PassBuilder::prepare(const char* name, Scope scope, std::uint32_t variant)
-{
-    return graph_.open(PassKind::prepare, name, scope, variant);
-}
-PassRef PassBuilder::host(const char* name, Scope scope, std::uint32_t variant)
-{
-    return graph_.open(PassKind::host, name, scope, variant);
+    return graph_.open(kind, name, scope, variant);
 }
 
 namespace {

@@ -152,28 +152,60 @@ inline Rect drawnArea(const CameraView& view)
     return {offset.x, offset.y, extent.width, extent.height};
 }
 
+/// How a pass touches a resource.
+enum class AccessKind : std::uint8_t {
+    sampled,
+    storageRead,
+    storageWrite,
+    storageUpdate,
+    color,
+    colorBlend,
+    depthTest,
+    depthWrite,
+    stencilTest,
+    stencilWrite,
+    copySource,
+    copyTarget,
+    vertex,
+    index,
+    indirect,
+    hostRead,
+    hostWrite,
+    build, ///< An acceleration structure, or what its build works in.
+    buildInput,
+    trace,
+};
+
 /// One pass under declaration; finished by record() or run(). Chained, then forgotten.
 class PassRef {
 public:
-    // Images.
-    PassRef& samples(ImageId image, Part part = kAllLayers); ///< Sampled in the fragment or compute stage.
-    PassRef& writes(ImageId image, Part part = {});          ///< Colour attachment, storage image or copy target.
-    PassRef& updates(ImageId image, Part part = {});         ///< Storage image, read and write (atomics).
-    PassRef& copies(ImageId image, Part part = kAllLayers);  ///< Source of a transfer.
-    PassRef& depthTest(ImageId image, Part part = {});       ///< Depth attachment, read only.
-    PassRef& depthWrite(ImageId image, Part part = {});      ///< Depth attachment, tested and written.
-    PassRef& stencilTest(ImageId image, Part part = {});
-    PassRef& stencilWrite(ImageId image, Part part = {}); ///< Combines with depthTest of the same image.
+    /// Sampled in the fragment or compute stage.
+    PassRef& samples(ImageId image, Part part = kAllLayers) { return add(image, AccessKind::sampled, part); }
+    PassRef& writes(ImageId image, Part part = {}); ///< Colour attachment, storage image or copy target.
+    /// Storage image, read and write (atomics).
+    PassRef& updates(ImageId image, Part part = {}) { return add(image, AccessKind::storageUpdate, part); }
+    /// Source of a transfer.
+    PassRef& copies(ImageId image, Part part = kAllLayers) { return add(image, AccessKind::copySource, part); }
+    /// Depth attachment, read only.
+    PassRef& depthTest(ImageId image, Part part = {}) { return add(image, AccessKind::depthTest, part); }
+    /// Depth attachment, tested and written.
+    PassRef& depthWrite(ImageId image, Part part = {}) { return add(image, AccessKind::depthWrite, part); }
+    PassRef& stencilTest(ImageId image, Part part = {}) { return add(image, AccessKind::stencilTest, part); }
+    /// Combines with depthTest of the same image.
+    PassRef& stencilWrite(ImageId image, Part part = {}) { return add(image, AccessKind::stencilWrite, part); }
     // Buffers.
     PassRef& reads(BufferId buffer);   ///< Storage read, host read, or source of a transfer.
     PassRef& writes(BufferId buffer);  ///< Storage write, host write, or target of a transfer.
     PassRef& updates(BufferId buffer); ///< Read and written.
-    PassRef& vertices(BufferId buffer);
-    PassRef& indices(BufferId buffer);
-    PassRef& indirect(BufferId buffer);
-    PassRef& builds(BufferId buffer);     ///< A structure, TracedScene::order, or what a build works in.
-    PassRef& buildsFrom(BufferId buffer); ///< A build reads it: instances.
-    PassRef& traces(BufferId order);      ///< TracedScene::order. Shaders trace what was built before.
+    PassRef& vertices(BufferId buffer) { return add(buffer, AccessKind::vertex); }
+    PassRef& indices(BufferId buffer) { return add(buffer, AccessKind::index); }
+    PassRef& indirect(BufferId buffer) { return add(buffer, AccessKind::indirect); }
+    /// A structure, TracedScene::order, or what a build works in.
+    PassRef& builds(BufferId buffer) { return add(buffer, AccessKind::build); }
+    /// A build reads it: instances.
+    PassRef& buildsFrom(BufferId buffer) { return add(buffer, AccessKind::buildInput); }
+    /// TracedScene::order. Shaders trace what was built before.
+    PassRef& traces(BufferId order) { return add(order, AccessKind::trace); }
 
     /// Raster passes: limits rendering, viewport and scissor; default: the first attachment's whole extent.
     PassRef& area(Rect rect);
@@ -201,6 +233,8 @@ private:
     using BodyFn = void (*)(void* self, PassContext* gpu, HostContext* host);
     explicit PassRef(PassGraph& graph) : graph_(graph) {}
     void finish(BodyFn fn, const void* body, std::size_t size, std::size_t alignment);
+    PassRef& add(ImageId image, AccessKind kind, const Part& part);
+    PassRef& add(BufferId buffer, AccessKind kind);
     PassGraph& graph_;
 };
 
@@ -262,11 +296,26 @@ public:
     bool isHosts(ImageId image) const;              ///< The host's depth or normals, of images that the frame has.
 
     // Passes. `variant` as for resources. Names are "algorithm.stage", static storage.
-    PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
-    PassRef compute(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
-    PassRef transfer(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
-    PassRef prepare(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
-    PassRef host(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0);
+    PassRef raster(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0)
+    {
+        return open(PassKind::raster, name, scope, variant);
+    }
+    PassRef compute(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0)
+    {
+        return open(PassKind::compute, name, scope, variant);
+    }
+    PassRef transfer(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0)
+    {
+        return open(PassKind::transfer, name, scope, variant);
+    }
+    PassRef prepare(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0)
+    {
+        return open(PassKind::prepare, name, scope, variant);
+    }
+    PassRef host(const char* name, Scope scope = Scope::task, std::uint32_t variant = 0)
+    {
+        return open(PassKind::host, name, scope, variant);
+    }
 
     /// The frame under declaration: grows from frame to frame.
     std::uint64_t frame() const;
@@ -292,6 +341,7 @@ public:
 
 private:
     friend class PassGraph;
+    PassRef open(PassKind kind, const char* name, Scope scope, std::uint32_t variant);
     PassGraph& graph_;
 };
 

@@ -13,29 +13,6 @@
 
 namespace gnomon {
 
-enum class AccessKind : std::uint8_t {
-    sampled,
-    storageRead,
-    storageWrite,
-    storageUpdate,
-    color,
-    colorBlend,
-    depthTest,
-    depthWrite,
-    stencilTest,
-    stencilWrite,
-    copySource,
-    copyTarget,
-    vertex,
-    index,
-    indirect,
-    hostRead,
-    hostWrite,
-    build, ///< An acceleration structure, or what its build works in.
-    buildInput,
-    trace,
-};
-
 /// Layout, stages and access bits of an access.
 struct AccessTraits {
     VkImageLayout layout = VK_IMAGE_LAYOUT_UNDEFINED; ///< Images.
