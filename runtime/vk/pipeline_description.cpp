@@ -25,19 +25,14 @@ bool same(const StencilInfo& a, const StencilInfo& b) noexcept
     return a.enable == b.enable && (!a.enable || (same(a.front, b.front) && same(a.back, b.back)));
 }
 
-bool same(const BindingInfo& a, const BindingInfo& b) noexcept
-{
-    return a.binding == b.binding && a.kind == b.kind && a.format == b.format && a.array == b.array &&
-           a.sampler == b.sampler && a.powerOfTwo == b.powerOfTwo && a.stencil == b.stencil;
-}
-
 bool sameState(const GraphicsPipelineInfo& a, const GraphicsPipelineInfo& b) noexcept
 {
     return a.pushBytes == b.pushBytes && a.vertexStride == b.vertexStride && a.casters == b.casters &&
-           a.transforms == b.transforms && a.topology == b.topology && a.cullMode == b.cullMode && a.frontFace == b.frontFace &&
-           a.depthTest == b.depthTest && a.depthWrite == b.depthWrite && a.depthCompare == b.depthCompare &&
-           a.depthClamp == b.depthClamp && same(a.stencil, b.stencil) && a.colorMask == b.colorMask &&
-           a.blendScale == b.blendScale && a.colorFormat == b.colorFormat && a.depthFormat == b.depthFormat;
+           a.transforms == b.transforms && a.topology == b.topology && a.cullMode == b.cullMode &&
+           a.frontFace == b.frontFace && a.depthTest == b.depthTest && a.depthWrite == b.depthWrite &&
+           a.depthCompare == b.depthCompare && a.depthClamp == b.depthClamp && same(a.stencil, b.stencil) &&
+           a.colorMask == b.colorMask && a.blendScale == b.blendScale && a.colorFormat == b.colorFormat &&
+           a.depthFormat == b.depthFormat;
 }
 
 std::vector<BindingInfo> sorted(std::span<const BindingInfo> bindings)
@@ -66,9 +61,7 @@ PipelineDescription::PipelineDescription(const ComputePipelineInfo& info)
 bool PipelineDescription::operator==(const PipelineDescription& other) const noexcept
 {
     if (isCompute != other.isCompute || std::strcmp(name(), other.name()) != 0) return false;
-    const bool sameBindings = std::equal(bindings.begin(), bindings.end(), other.bindings.begin(), other.bindings.end(),
-                                         [](const BindingInfo& a, const BindingInfo& b) { return same(a, b); });
-    if (!sameBindings) return false;
+    if (bindings != other.bindings) return false;
     if (isCompute) return same(compute.compute, other.compute.compute) && compute.pushBytes == other.compute.pushBytes;
     return same(graphics.vertex, other.graphics.vertex) && same(graphics.fragment, other.graphics.fragment) &&
            sameState(graphics, other.graphics);

@@ -36,6 +36,7 @@ struct BindingInfo {
     SamplerKind sampler = SamplerKind::nearest;
     bool powerOfTwo = false; ///< Images: sides are powers of two (maps), or arbitrary (screen).
     bool stencil = false;    ///< Images: the stencil aspect of a depth-stencil format is read.
+    bool operator==(const BindingInfo&) const = default;
 };
 constexpr BindingInfo constantsAt(std::uint32_t binding)
 {
