@@ -52,8 +52,7 @@ private:
 constinit const AlgorithmEntry kScreenSoft{
     .name = "screen_soft",
     .source = "MohammadBagher et al. 2010; Zheng and Saito 2011",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kScreenPenumbraSettings,
     .memoryPerLight = ScreenPenumbra::memory,
     .create = makeAlgorithm<ScreenSoft>,

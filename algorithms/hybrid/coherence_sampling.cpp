@@ -105,8 +105,8 @@ public:
 constinit const AlgorithmEntry kCoherenceSampling{
     .name = "coherence_sampling",
     .source = "Agrawala, Ramamoorthi, Heirich and Moll 2000",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .traits =
+        kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,

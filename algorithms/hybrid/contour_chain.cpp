@@ -178,8 +178,7 @@ void ContourChain::declareHostStatus(PassBuilder& passes, ChainJob& job)
 constinit const AlgorithmEntry kContourChain{
     .name = "contour_chain",
     .source = "Moderno, chapters 3 and 4",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
     .settings = kSettings,
     .memoryPerLight =

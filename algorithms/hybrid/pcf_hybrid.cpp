@@ -84,8 +84,7 @@ private:
 constinit const AlgorithmEntry kPcfHybrid{
     .name = "pcf_hybrid",
     .source = "Beister, Ernst and Stamminger 2005; Morais 2015, 3.4.1",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
     .settings = kSettings,
     .memoryPerLight =

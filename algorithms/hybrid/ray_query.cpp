@@ -72,8 +72,8 @@ private:
 constinit const AlgorithmEntry kRayQuery{
     .name = "ray_query",
     .source = "Appel 1968; VK_KHR_ray_query",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT | GN_TRAIT_FLAT_SOURCE_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
+              GN_TRAIT_DEVICE_RAYS_BIT | GN_TRAIT_FLAT_SOURCE_BIT,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D, GnLightType) { return VkDeviceSize{0}; },
     .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },

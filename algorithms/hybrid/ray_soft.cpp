@@ -291,9 +291,8 @@ VkDeviceSize softMemory(VkExtent2D extent)
 constinit const AlgorithmEntry kRaySoft{
     .name = "ray_soft",
     .source = "Cook et al. 1984; Schied et al. 2017; Heitz et al. 2018; Zhdan 2020",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_FLAT_SOURCE_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
-              GN_TRAIT_DEVICE_RAYS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_FLAT_SOURCE_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_DEVICE_RAYS_BIT,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return softMemory(extent); },
     .missing = [](const DeviceTable& vk) { return vk.rayQueryMissing; },

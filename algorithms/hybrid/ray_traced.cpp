@@ -57,8 +57,8 @@ public:
 constinit const AlgorithmEntry kRayTraced{
     .name = "ray_traced",
     .source = "Appel 1968; Morais 2015, 2.3",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT | GN_TRAIT_FLAT_SOURCE_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT |
+              GN_TRAIT_FLAT_SOURCE_BIT,
     .roundTrips = 1,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,

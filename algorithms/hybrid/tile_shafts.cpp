@@ -321,8 +321,7 @@ public:
 constinit const AlgorithmEntry kTileShafts{
     .name = "tile_shafts",
     .source = "gnomon; Haines and Wallace 1991",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_RAYS_BIT,
     .roundTrips = 1,
     .settings = kSettings,
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,

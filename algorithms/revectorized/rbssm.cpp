@@ -82,8 +82,7 @@ private:
 constinit const AlgorithmEntry kRbssm{
     .name = "rbssm",
     .source = "Macedo 2018, 5.3; Fernando 2005",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kSettings,
     .memoryPerLight = searchedMapMemory,
     .create = makeAlgorithm<Rbssm>,

@@ -43,8 +43,7 @@ private:
 constinit const AlgorithmEntry kSsrbssm{
     .name = "ssrbssm",
     .source = "Macedo 2018, 5.4",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_GPU_TRANSFORMS_BIT,
     .settings = kScreenPenumbraSettings,
     .memoryPerLight = ScreenPenumbra::memory,
     .create = makeAlgorithm<Ssrbssm>,
