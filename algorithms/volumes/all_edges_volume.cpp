@@ -22,11 +22,10 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail };
 
-constexpr VolumeCountNames kNames{
-    .volumes = {.zPass = {"all_edges_volume.z_pass", "all_edges_volume.z_pass_reversed"},
-                .zFail = {"all_edges_volume.z_fail", "all_edges_volume.z_fail_reversed"},
-                .caps = {"all_edges_volume.caps", "all_edges_volume.caps_reversed"}},
-    .resolve = {"all_edges_volume.dark", "all_edges_volume.counted", "all_edges_volume.uncounted"}};
+constexpr VolumeCountNames kNames{.volumes = {.zPass = "all_edges_volume.z_pass",
+                                              .zFail = "all_edges_volume.z_fail",
+                                              .caps = "all_edges_volume.caps"},
+                                  .resolve = "all_edges_volume.resolve"};
 
 class AllEdgesVolume final : public ShadowAlgorithm {
 public:
@@ -56,8 +55,8 @@ private:
 const AlgorithmEntry kAllEdgesVolume{
     .name = "all_edges_volume",
     .source = "Kolic, Mihajlovic and Budin 2004; Rautenbach 2008, 2.4",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT |
+              GN_TRAIT_GPU_POSITIONS_BIT,
     .settings = kSettings,
     // Lists belong to meshes, not to lights.
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent, GnLightType) { return viewStencilMemory(extent); },

@@ -37,8 +37,7 @@ enum Setting : std::size_t { kResolution, kWiden, kCull };
 /// The stencil: bit 7 marks silhouette pixels, bits 0 to 6 count there.
 constexpr VolumeCounting kCounting{.bits = 0x7f, .mask = 0x80};
 
-constexpr VolumePipelineNames kVolumeNames{.zPass = {"chan_durand.z_pass", "chan_durand.z_pass_reversed"},
-                                           .zFail = {"chan_durand.z_fail", "chan_durand.z_fail_reversed"}};
+constexpr VolumePipelineNames kVolumeNames{.zPass = "chan_durand.z_pass", .zFail = "chan_durand.z_fail"};
 
 struct Pipelines {
     DepthMapPipelines casters;
@@ -295,8 +294,7 @@ private:
 const AlgorithmEntry kChanDurand{
     .name = "chan_durand",
     .source = "Chan and Durand 2004; Rautenbach 2008, 3.3.2",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {

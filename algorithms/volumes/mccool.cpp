@@ -243,7 +243,7 @@ public:
             for (const bool reversed : {false, true})
                 pipelines_.polygons[reversed][map] = polygonPipeline(services, map, reversed);
         }
-        pipelines_.resolve = makeResolvePipelines(services, {"mccool.dark", "mccool.in_shadow", "mccool.lit"});
+        pipelines_.resolve = makeResolvePipelines(services, "mccool.resolve");
     }
 
     void declare(PassBuilder& passes, const ShadowTask& task) override
@@ -359,7 +359,7 @@ private:
 const AlgorithmEntry kMccool{
     .name = "mccool",
     .source = "McCool 2000; Rautenbach 2008, 3.3.1",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT,
     .settings = kSettings,
     .memoryPerLight =
         [](std::span<const double> settings, VkExtent2D extent, GnLightType type) {

@@ -29,9 +29,8 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kSide, kBounded, kZFail };
 
-constexpr VolumePipelineNames kNames{.zPass = {"multi_volume.z_pass", "multi_volume.z_pass_reversed"},
-                                     .zFail = {"multi_volume.z_fail", "multi_volume.z_fail_reversed"},
-                                     .caps = {"multi_volume.caps", "multi_volume.caps_reversed"}};
+constexpr VolumePipelineNames kNames{
+    .zPass = "multi_volume.z_pass", .zFail = "multi_volume.z_fail", .caps = "multi_volume.caps"};
 
 constexpr VkFormat kSumFormat = VK_FORMAT_R16_SFLOAT; // every device blends it; whole numbers to 2048
 
@@ -156,9 +155,8 @@ void MultiVolumes::declare(PassBuilder& passes, const ShadowTask& task)
 const AlgorithmEntry kMultiVolume{
     .name = "multi_volume",
     .source = "Brotman and Badler 1984",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_FLAT_SOURCE_BIT | GN_TRAIT_CPU_GEOMETRY_BIT |
-              GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_SOFT_PENUMBRA_BIT | GN_TRAIT_FLAT_SOURCE_BIT |
+              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
     .settings = kSettings,
     // Lists belong to meshes, not to lights.
     .memoryPerLight = [](std::span<const double>, VkExtent2D extent,

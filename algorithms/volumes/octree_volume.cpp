@@ -27,10 +27,8 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail, kConceal, kExtents };
 
-constexpr VolumeCountNames kNames{
-    .volumes = {.zPass = {"octree_volume.z_pass", "octree_volume.z_pass_reversed"},
-                .zFail = {"octree_volume.z_fail", "octree_volume.z_fail_reversed"}},
-    .resolve = {"octree_volume.dark", "octree_volume.counted", "octree_volume.uncounted"}};
+constexpr VolumeCountNames kNames{.volumes = {.zPass = "octree_volume.z_pass", .zFail = "octree_volume.z_fail"},
+                                  .resolve = "octree_volume.resolve"};
 
 // Regions of all static casters, and of chosen ones, beside stencil_volume's of static and of moving ones.
 constexpr std::uint32_t kRegionsVariant = 2;
@@ -183,8 +181,7 @@ VkDeviceSize memoryPerLight(std::span<const double>, VkExtent2D extent, GnLightT
 const AlgorithmEntry kOctreeVolume{
     .name = "octree_volume",
     .source = "Rautenbach 2008, 3.3.4 and 4.3.6",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,

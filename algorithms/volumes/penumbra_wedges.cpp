@@ -24,10 +24,8 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail };
 
-constexpr VolumeCountNames kNames{
-    .volumes = {.zPass = {"penumbra_wedges.z_pass", "penumbra_wedges.z_pass_reversed"},
-                .zFail = {"penumbra_wedges.z_fail", "penumbra_wedges.z_fail_reversed"}},
-    .resolve = {"penumbra_wedges.dark", "penumbra_wedges.counted", "penumbra_wedges.uncounted"}};
+constexpr VolumeCountNames kNames{.volumes = {.zPass = "penumbra_wedges.z_pass", .zFail = "penumbra_wedges.z_fail"},
+                                  .resolve = "penumbra_wedges.hard"};
 
 PipelineId makeResolvePipeline(const AlgorithmServices& services)
 {

@@ -219,8 +219,7 @@ const char* missing(const DeviceTable& vk)
 const AlgorithmEntry kProjectedPlanar{
     .name = "projected_planar",
     .source = "Blinn 1988; Rautenbach 2008, 2.4.2",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_PLANAR_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_PLANAR_BIT,
     .memoryPerLight =
         [](std::span<const double>, VkExtent2D extent, GnLightType) {
             const VkDeviceSize tiles = VkDeviceSize{extent.width / gpu::PLANE_TILE} * (extent.height / gpu::PLANE_TILE);

@@ -45,11 +45,11 @@ gpu::VolumeResolve volumeResolve(const CameraView& view, const LightView& light,
     return block;
 }
 
-ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const ResolveNames& names)
+ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const char* name)
 {
     ResolvePipelines pipelines;
     for (std::uint32_t part = 0; part < gpu::RESOLVE_PARTS; ++part)
-        pipelines.of[part] = makeResolvePipeline(services, names.of[part], part);
+        pipelines.of[part] = makeResolvePipeline(services, name, part);
     return pipelines;
 }
 

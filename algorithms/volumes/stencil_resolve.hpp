@@ -7,13 +7,10 @@
 namespace gnomon {
 
 /// By the parts of resolve.h.
-struct ResolveNames {
-    const char* of[gpu::RESOLVE_PARTS];
-};
 struct ResolvePipelines {
     PipelineId of[gpu::RESOLVE_PARTS];
 };
-ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const ResolveNames& names);
+ResolvePipelines makeResolvePipelines(const AlgorithmServices& services, const char* name);
 
 /// Visibility of what the light does not shine on.
 struct Darkness {

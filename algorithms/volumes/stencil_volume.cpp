@@ -24,10 +24,8 @@ constexpr SettingSpec kSettings[] = {
 };
 enum Setting : std::size_t { kBounded, kZFail, kSilhouettes, kExtents };
 
-constexpr VolumeCountNames kNames{
-    .volumes = {.zPass = {"stencil_volume.z_pass", "stencil_volume.z_pass_reversed"},
-                .zFail = {"stencil_volume.z_fail", "stencil_volume.z_fail_reversed"}},
-    .resolve = {"stencil_volume.dark", "stencil_volume.counted", "stencil_volume.uncounted"}};
+constexpr VolumeCountNames kNames{.volumes = {.zPass = "stencil_volume.z_pass", .zFail = "stencil_volume.z_fail"},
+                                  .resolve = "stencil_volume.resolve"};
 
 class StencilVolume final : public ShadowAlgorithm {
 public:
@@ -87,8 +85,8 @@ VkDeviceSize memoryPerLight(std::span<const double> settings, VkExtent2D extent,
 const AlgorithmEntry kStencilVolume{
     .name = "stencil_volume",
     .source = "Rautenbach 2008, 3.1; Heidmann 1991; Everitt and Kilgard 2002",
-    .traits = GN_TRAIT_DIRECTIONAL_BIT | GN_TRAIT_SPOT_BIT | GN_TRAIT_POINT_BIT | GN_TRAIT_HARD_BIT |
-              GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT | GN_TRAIT_GPU_POSITIONS_BIT,
+    .traits = kAnyLight | GN_TRAIT_HARD_BIT | GN_TRAIT_EXACT_BIT | GN_TRAIT_CPU_GEOMETRY_BIT | GN_TRAIT_TOPOLOGY_BIT |
+              GN_TRAIT_GPU_POSITIONS_BIT,
     .settings = kSettings,
     .memoryPerLight = memoryPerLight,
     .missing = missingForStencil,

@@ -7,7 +7,7 @@ namespace gnomon {
 
 struct VolumeCountNames {
     VolumePipelineNames volumes;
-    ResolveNames resolve;
+    const char* resolve;
 };
 struct VolumeCountPipelines {
     VolumePipelines volumes;

@@ -175,11 +175,11 @@ VolumePipelines makeVolumePipelines(const AlgorithmServices& services, const Vol
     VolumePipelines pipelines{.shape = shape};
     for (const int i : {0, 1}) {
         const bool reversed = i != 0;
-        pipelines.zPass[i] = makePipeline(services, names.zPass[i], counting, true, reversed, shape, false);
-        pipelines.zFail[i] = makePipeline(services, names.zFail[i], counting, false, reversed, shape, false);
+        pipelines.zPass[i] = makePipeline(services, names.zPass, counting, true, reversed, shape, false);
+        pipelines.zFail[i] = makePipeline(services, names.zFail, counting, false, reversed, shape, false);
         pipelines.caps[i] = shape == VolumeShape::lists
                                 ? pipelines.zFail[i]
-                                : makePipeline(services, names.caps[i], counting, false, reversed, shape, true);
+                                : makePipeline(services, names.caps, counting, false, reversed, shape, true);
     }
     return pipelines;
 }

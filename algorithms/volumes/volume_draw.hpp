@@ -21,12 +21,11 @@ enum class VolumeShape : std::uint8_t {
     allEdges, ///< All edges and faces of the mesh (edge_list.hpp).
 };
 
-/// By reversed depth.
 struct VolumePipelineNames {
-    const char* zPass[2];
-    const char* zFail[2];
-    const char* caps[2] = {}; ///< Of allEdges; lists are drawn with zFail.
+    const char *zPass, *zFail;
+    const char* caps = nullptr; ///< Of allEdges; lists are drawn with zFail.
 };
+/// By reversed depth.
 struct VolumePipelines {
     VolumeShape shape = VolumeShape::lists;
     PipelineId zPass[2], zFail[2], caps[2];
