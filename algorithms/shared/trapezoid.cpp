@@ -15,6 +15,13 @@ namespace {
 /// the change. In scenes that are seen whole it keeps maps that would be up to a tenth coarser out (`colonnade`).
 constexpr double kClearlySmaller = 0.9;
 
+/// Least w of a warped map in parts of the distance from a spot light. Warps tilt the axis along which w is counted,
+/// the more the narrower what is seen is from the light. Along a ray receivers are moved by SNAP_TEXELS, 1/64, of what
+/// w changes from texel to texel, here four texels, and w is rounded as the distance is, over this share. A lamp 100 km
+/// away that is seen through a lens of one degree made two thirds of the picture shadow itself at 1/1024; at 1/256 the
+/// picture is as right as the plain map's.
+constexpr double kLeastShare = 1.0 / 256.0;
+
 struct Range {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     void add(double value)
@@ -100,17 +107,20 @@ LightFit fitWarped(const LightFit& plain, const SeenPart& part, std::span<const 
     double best = kClearlySmaller * meanTexel(part, glm::inverse(plane.fromClip(glm::dmat3(1.0))));
     double least = 0.0;
     glm::dmat3 map(1.0);
+    const bool positional = glm::dvec3(plane.rows[2]) != glm::dvec3(0.0);
     for (const Warp& warp : warps) {
         glm::dmat3 rows = glm::transpose(trapezoidAround(part.hull.points(), warp).map);
         rows[0] *= inside;
         rows[1] *= inside;
         const double mean = meanTexel(part, glm::transpose(rows));
         if (!(mean < best)) continue;
-        best = mean;
-        map = glm::transpose(rows);
         // w is least at the near edge, where y / w = -1: at t = (1 - 1 / inside) / (2 + k + k / inside).
         const double k = warp.strength;
-        least = 1.0 + k * (1.0 - 1.0 / inside) / (2.0 + k + k / inside);
+        const double nearW = 1.0 + k * (1.0 - 1.0 / inside) / (2.0 + k + k / inside);
+        if (positional && nearW < kLeastShare * glm::length(rows[2])) continue;
+        best = mean;
+        map = glm::transpose(rows);
+        least = nearW;
     }
     return least > 0.0 ? fitProjected(plain, plane.fromClip(map), least) : plain;
 }

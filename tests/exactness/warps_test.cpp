@@ -111,6 +111,26 @@ TEST_CASE("where the view is near, every warped map is less wrong than a plain o
     CHECK(percent(all.lispsm) <= 1.05 * percent(all.psm));
 }
 
+TEST_CASE("of a spot light kilometres away no warp makes surfaces shadow themselves")
+{
+    const test::DeviceTest silence;
+    for (const double distance : {1e4, 1e5}) {
+        CAPTURE(distance);
+        Scene scene = test::smallScene();
+        demo::Light& light = scene.lights[0];
+        light.position = distance * glm::normalize(glm::dvec3(2.0, 6.0, 3.0));
+        light.direction = -glm::normalize(light.position);
+        light.outerAngle = light.innerAngle = static_cast<float>(std::atan(7.0 / distance));
+        light.range = 1e6f;
+        scene.camera = {{.eye = {6.0, 8.0, 18.0}, .target = {0.0, 0.5, 0.0}, .verticalFov = 0.14f}};
+        Stage stage(scene, kSize);
+        const Errors errors = errorsOf(stage, 1024.0);
+        CHECK(errors.plain.counted > 20'000);
+        for (const ErrorCount& warped : {errors.trapezoidal, errors.psm, errors.lispsm})
+            CHECK(double(warped.wrong()) <= 1.25 * double(errors.plain.wrong()) + 40.0);
+    }
+}
+
 TEST_CASE("where the light is far larger than the view, moments of what is seen are less wrong, and hybrids trace less")
 {
     const test::DeviceTest silence;
