@@ -114,6 +114,38 @@ Status checkPrimitive(Gltf& gltf, const YamlNode& primitive, const std::string& 
     return Done{};
 }
 
+/// The importer follows children from node to node by recursion: 10 000 levels fit into a stack of 8 MB, 20 000 do not.
+constexpr size_t kDeepestNode = 1000;
+
+/// Whether nodes are trees, as glTF wants them. Of a node with two parents the importer makes two, and so on below it.
+Status checkNodes(const Gltf& gltf)
+{
+    const YamlNode* nodes = find(&gltf.json, "nodes");
+    if (nodes == nullptr || nodes->kind != YamlNode::Kind::Sequence) return Done{};
+    constexpr size_t kNone = SIZE_MAX;
+    std::vector<size_t> parents(nodes->children.size(), kNone);
+    for (size_t i = 0; i < parents.size(); ++i) {
+        const YamlNode* children = find(&nodes->children[i], "children");
+        if (children == nullptr) continue;
+        for (const YamlNode& child : children->children) {
+            const size_t at = whole(&child).value_or(kNone);
+            if (at >= parents.size()) continue; // the importer says so
+            if (parents[at] != kNone)
+                return Status::failure("node " + std::to_string(at) + " is a child of nodes " +
+                                       std::to_string(parents[at]) + " and " + std::to_string(i));
+            parents[at] = i;
+        }
+    }
+    for (size_t i = 0; i < parents.size(); ++i) {
+        size_t depth = 0;
+        for (size_t at = i; at != kNone; at = parents[at])
+            if (++depth > kDeepestNode)
+                return Status::failure("node " + std::to_string(i) + " is a child's child " +
+                                       std::to_string(kDeepestNode) + " times or more");
+    }
+    return Done{};
+}
+
 /// Escapes of YAML and JSON differ in surrogate pairs. Only names have them, which are not looked at.
 void blankUnicodeEscapes(std::string& json)
 {
@@ -126,7 +158,7 @@ void blankUnicodeEscapes(std::string& json)
 
 } // namespace
 
-Status checkGltfIndices(const std::filesystem::path& file)
+Status checkGltf(const std::filesystem::path& file)
 {
     Gltf gltf;
     gltf.folder = file.parent_path();
@@ -144,6 +176,7 @@ Status checkGltfIndices(const std::filesystem::path& file)
     Outcome<YamlNode> json = parseYaml(*text, file.string()); // JSON is YAML
     if (!json) return Status::failure("not valid JSON: " + json.error());
     gltf.json = std::move(*json);
+    if (Status trees = checkNodes(gltf); !trees) return trees;
     const YamlNode* meshes = find(&gltf.json, "meshes");
     if (meshes == nullptr || meshes->kind != YamlNode::Kind::Sequence) return Done{};
     for (size_t m = 0; m < meshes->children.size(); ++m) {

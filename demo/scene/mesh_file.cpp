@@ -176,7 +176,7 @@ Outcome<ImportedMesh> importMesh(const fs::path& file, const MeshFileOptions& op
     const auto fail = [&file](const std::string& why) {
         return Outcome<ImportedMesh>::failure(file.string() + ": " + why);
     };
-    if (const Status checked = checkGltfIndices(file); !checked) return fail(checked.error());
+    if (const Status checked = checkGltf(file); !checked) return fail(checked.error());
     const VertexComplaints complaints;
     Assimp::Importer importer;
     // Only positions and faces matter; the rest would merely split vertices. Points and lines are dropped.

@@ -228,6 +228,26 @@ TEST_CASE("an index past the end of a glTF file's vertices is an error that name
                                           std::string("BIN\0", 4) + binary));
 }
 
+TEST_CASE("glTF nodes that are no trees, or too deep ones, are errors")
+{
+    const auto says = [](const std::string& nodes, const char* words) {
+        const fs::path file = writeText("gnomon_nodes.gltf", gltf(nodes, inBase64(kTetrahedron)));
+        const auto imported = importMesh(file);
+        CHECK_FALSE(imported);
+        CHECK_MESSAGE(imported.error().find(words) != std::string::npos, imported.error());
+        fs::remove(file);
+    };
+    std::string chain = "[", diamonds = "[";
+    for (int i = 1; i <= 30'000; ++i)
+        chain += R"({"children":[)" + std::to_string(i) + "]},";
+    for (int i = 1; i <= 60; i += 2) // 2^30 ways to the mesh
+        for (int twin = 0; twin < 2; ++twin)
+            diamonds += R"({"children":[)" + std::to_string(i + 1) + "," + std::to_string(i + 2) + "]},";
+    says(chain + R"({"mesh":0}])", "node 1000 is a child's child");
+    says(diamonds + R"({"mesh":0},{"mesh":0},{"mesh":0}])", "node 2 is a child of nodes 0 and 1");
+    says(R"([{"mesh":0,"children":[0]}])", "node 0 is a child's child");
+}
+
 TEST_CASE("a .3ds face that names no vertex is an error, not another face")
 {
     const fs::path good = writeText("gnomon_good.3ds", tetrahedron3ds(3));
