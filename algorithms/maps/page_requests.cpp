@@ -11,8 +11,9 @@ namespace gnomon {
 
 namespace {
 
-/// The coarsest level there is, 2^40 m a texel: farther than coordinates go.
-constexpr int kCoarsestLevel = 40;
+/// The coarsest level there is, the last that a key holds: 2^63 m a texel. A mesh may be as large as the library's
+/// numbers and its transform as well; what lies beyond a page of this level is lit.
+constexpr int kCoarsestLevel = 63;
 /// Share of the pages that the coarsest level takes at most.
 constexpr std::uint32_t kCoarsestShare = 8;
 constexpr std::uint32_t kLeastPages = 4; ///< That a rectangle may touch, however wide pages are.
@@ -137,7 +138,8 @@ void PageRequests::askCoarsest(std::span<const PageGrid> grids, std::uint32_t mo
     for (coarsest_ = grids.front().finestLevel(); coarsest_ < kCoarsestLevel; ++coarsest_)
         if (std::ranges::all_of(grids, fits)) break;
     for (const PageGrid& grid : grids) {
-        const PageRect rect = grid.pagesIn(grid.all(), coarsest_);
+        const glm::dvec2 middle = 0.5 * (grid.all().low + grid.all().high);
+        const PageRect rect = grid.pagesIn(fits(grid) ? grid.all() : PlaneRect{middle, middle}, coarsest_);
         for (int y = rect.low.y; y <= rect.high.y; ++y)
             for (int x = rect.low.x; x <= rect.high.x; ++x)
                 pages_.push_back(keyOf(grid.page(coarsest_, x, y)));

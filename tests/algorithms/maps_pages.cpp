@@ -234,6 +234,24 @@ TEST_CASE("no more pages are asked than there is room for, the coarsest level al
     CHECK(loose > 20);
 }
 
+TEST_CASE("however far casters reach, there is room for what is asked")
+{
+    Random random;
+    for (const float reach : {1e9f, 1e15f, 1e18f, 1e36f})
+        for (const GnLightType type : kTypes) {
+            CAPTURE(reach);
+            CAPTURE(type);
+            Town town(random, type);
+            town.all[0].bounds = {glm::vec3(-reach), glm::vec3(reach)};
+            town.ask(64);
+            CHECK(town.requests.pages().size() > 0);
+            CHECK(town.requests.pages().size() <= 64);
+            const PageGrid grid = town.grid();
+            const PageRect all = grid.pagesIn(grid.all(), town.requests.coarsest());
+            CHECK((reach > 1e18f || (all.width() <= 8 && all.height() <= 8)));
+        }
+}
+
 TEST_CASE("pages keep their layers, and those asked least recently make way, as in a list in order of use")
 {
     Random random;
