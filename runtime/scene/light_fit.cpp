@@ -15,6 +15,9 @@ namespace {
 // Smallest near end in parts of the far end of what is there. Depth in a D32 map resolves 2^-24 z^2 / near at distance
 // z: with 1e-4 that is 0.6 mm for 1 m at z = 1 m, below the texel of a 1024 map (2 mm), and near is 0.1 mm.
 constexpr double kNearPerFar = 1e-4;
+// And no more than this, metres: casters may reach the horizon of a lamp of unlimited range, and shadows near it count.
+// What receivers allow for, 2^-22 z^2 / near, is then a texel of a 1024 map, 2 mm a metre, some 800 m away.
+constexpr double kMostNearWs = 0.1;
 // Room beyond the far end and around a directional fit, for the rounding of matrices and bounds to float.
 constexpr double kRoom = 1.0 / 1024.0;
 
@@ -111,7 +114,8 @@ Depths depthsOf(const LightView& light, double nearest, double farthest)
     const double past = farthest > 0.0 ? farthest * (1.0 + kRoom) : 1.0; // no casters: any depth does
     const double far = light.unlimited() ? past : static_cast<double>(light.constants.range);
     const double end = std::min(past, far);
-    return {std::clamp(nearest, kNearPerFar * end, 0.9 * far), far, end}; // 0.9: all casters may be past the range
+    return {std::clamp(nearest, std::min(kNearPerFar * end, kMostNearWs), 0.9 * far), far,
+            end}; // 0.9: all casters may be past the range
 }
 
 LightFit perspectiveFit(const Axes& axes, glm::dvec3 eye, double slope, Depths depths)

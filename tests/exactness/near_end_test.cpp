@@ -66,6 +66,20 @@ TEST_CASE("a card just under a lamp casts on a plain that reaches a hundred time
     }
 }
 
+TEST_CASE("nor does a ground that reaches a hundred kilometres take the shadows near a lamp of unlimited range")
+{
+    const test::DeviceTest silence;
+    for (const LightKind kind : {LightKind::Spot, LightKind::Point}) {
+        Scene scene = lampOverPlain(kind);
+        place(scene, "sea", demo::makePlane({.width = 2e5f, .depth = 2e5f, .columns = 100, .rows = 100}),
+              {0.0, -1.0, 0.0});
+        Stage stage(scene, {320, 180});
+        const bool spot = kind == LightKind::Spot;
+        for (const char* method : {spot ? "shadow_map" : "cube_map", "virtual_map"})
+            CHECK(wrongPercent(stage, method) < 1.0);
+    }
+}
+
 TEST_CASE("triangles that end a kilometre away do not shadow themselves under a lamp close to them")
 {
     const test::DeviceTest silence;
