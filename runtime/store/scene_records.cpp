@@ -65,9 +65,9 @@ void updateTransformed(InstanceRecord& record, const MeshView* view, const std::
     caster.bounds = transformed(view ? view->bounds : record.hostBounds, caster.basis, caster.translation);
     caster.mirrored = glm::determinant(glm::dmat3(caster.basis)) < 0.0;
     caster.longestEdge = view ? longestEdgeOf(caster, *view) : 0.0f;
-    caster.meshReach = view ? largestOf(glm::max(glm::abs(caster.bounds.lower - caster.translation),
-                                                 glm::abs(caster.bounds.upper - caster.translation)))
-                            : 0.0f;
+    // Not from bounds in the world: a small caster far away has them as wide as coordinates there are apart.
+    const Aabb aboutZero = view ? transformed(view->bounds, caster.basis, glm::vec3(0.0f)) : Aabb{};
+    caster.meshReach = view ? largestOf(glm::max(glm::abs(aboutZero.lower), glm::abs(aboutZero.upper))) : 0.0f;
 }
 
 } // namespace

@@ -96,6 +96,24 @@ TEST_CASE_FIXTURE(DeviceTest, "zero-area triangles are dropped with a warning; t
     }
 }
 
+TEST_CASE_FIXTURE(DeviceTest, "an instance that was put 1e18 m away takes no shadow from others, by any method")
+{
+    Scene scene = smallScene();
+    demo::Instance& away = scene.instances.emplace_back(scene.instances[1]);
+    away.name = "away";
+    away.pose.position = {0.0, -1e18, 1e18};
+    Host host(scene), without(smallScene());
+    for (const GnMethodInfo& method : availableMethods(host.context)) {
+        if (!serves(method, demo::LightKind::Spot)) continue;
+        CAPTURE(std::string(method.pName));
+        for (Host* each : {&host, &without}) {
+            each->pinAll(method.pName);
+            each->require(each->draw());
+        }
+        CHECK(differences(host.pictures(), without.pictures()) == 0);
+    }
+}
+
 TEST_CASE_FIXTURE(DeviceTest, "an instance cannot stand at NaN, at infinity or be flat; it stays where it was")
 {
     Watched watched;
