@@ -179,6 +179,15 @@ void planLights(Frame& frame, const ChooseParts& parts)
     settleProbe(frame, parts);
 }
 
+/// Whether a light has just changed to a method whose time it does not know. What it had before is known, and waits for
+/// the frames that are timed anyway.
+bool isNewToALight(const Frame& frame, const ChooseParts& parts)
+{
+    return std::any_of(frame.lights.begin(), frame.lights.end(), [&](const ViewLight& light) {
+        return light.memory->methodSince == frame.number && !parts.plan.isTimed(*light.memory, light.decision->method);
+    });
+}
+
 /// What the frame's timings will be compared by when they come.
 void notePlan(const Frame& frame, PastFrame& present)
 {
@@ -202,9 +211,8 @@ void choose(Frame& frame, const ChooseParts& parts)
     askRules(frame, parts);
     planLights(frame, parts);
     notePlan(frame, parts.history.past.present());
-    const bool changed = std::any_of(frame.lights.begin(), frame.lights.end(),
-                                     [&](const ViewLight& light) { return light.memory->methodSince == frame.number; });
-    if (changed && countsTime(ruleBaseOf(parts.selector))) parts.history.timed.noteChange(frame.number);
+    if (countsTime(ruleBaseOf(parts.selector)) && isNewToALight(frame, parts))
+        parts.history.timed.noteChange(frame.number);
     for (const ViewFrame& viewFrame : frame.views)
         viewFrame.view->lastFrame = frame.number;
 }

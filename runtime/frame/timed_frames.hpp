@@ -9,10 +9,10 @@ namespace gnomon {
 /// One frame in this many carries full barriers and a pair of timestamps around every pass; they cost up to 20 % there.
 constexpr std::uint64_t kTimedPeriod = 8;
 
-/// What has just been switched on is known least: its first settled frames are timed as well.
+/// What has just been switched on for the first time is known least: its first settled frames are timed as well.
 class TimedFrames {
 public:
-    /// A light's method changed in this frame. One while the last one's timings are still to come is passed over, so
+    /// A light has a method that was not timed with it. One while the last one's timings are still to come is passed over, so
     /// that of frames that all bring changes four in seven are timed.
     void noteChange(std::uint64_t frame)
     {

@@ -201,6 +201,12 @@ const TimedLight* FramePlan::timed(const LightMemory& memory) const
     return timed.timing.frame ? &timed : nullptr;
 }
 
+bool FramePlan::isTimed(const LightMemory& memory, std::uint32_t method) const
+{
+    const std::size_t cell = std::size_t{memory.costSlot} * methods_.size() + method;
+    return memory.costSlot < slots_ && method < methods_.size() && costs_[cell].steady.measured;
+}
+
 void FramePlan::forget(LightMemory& memory)
 {
     if (memory.costSlot == UINT32_MAX) return;

@@ -81,6 +81,8 @@ public:
     std::uint64_t knowledgeRevision() const { return model_.samples(); }
     /// Null until a frame with the light was timed.
     const TimedLight* timed(const LightMemory& memory) const;
+    /// Whether the newest decide() knew from a timing of this light how long the method takes for it.
+    bool isTimed(const LightMemory& memory, std::uint32_t method) const;
 
 private:
     struct Request {
