@@ -28,7 +28,7 @@ struct MomentFilter {
 /// Depths of a fit as z of shaders/filtered/moments.h: 0 at its near end, 1 where it ends.
 gpu::LinearDepth linearDepthOf(const LightFit& fit, const LightView& light);
 
-/// Whether a layer of what is made of a map's layer has to be made anew, and notes that it is; where not, that it was
+/// Whether a layer of what is made of a map's layer has to be made again, and notes that it is; where not, that it was
 /// kept. @param scope LightMap::scope @param mapStamp LightMap::stamps of the layer
 bool staleLayer(PassBuilder& passes, const char* stampName, Scope scope, std::uint32_t variant, ImageId image,
                 std::uint64_t mapStamp);

@@ -106,7 +106,7 @@ Cells Declaring::due(const IdMap& map, std::uint32_t layer, std::uint64_t stamp,
     return changed;
 }
 
-/// @param cells what is drawn anew, and what lies between
+/// @param cells what is drawn again, and what lies between
 void Declaring::draw(const char* name, const LightFit& fit, const Target& target,
                      std::span<const Caster* const> casters, Cells cells, BufferId firsts) const
 {
@@ -205,7 +205,7 @@ BufferId declareFirsts(PassBuilder& passes, const NumberedTriangles& triangles)
     return firsts;
 }
 
-/// What is drawn anew is what lies in the cells that moving casters cover or covered.
+/// What is drawn again is what lies in the cells that moving casters cover or covered.
 void declareLayer(const Declaring& declaring, const IdMap& map, std::uint32_t layer, const NumberedTriangles& triangles)
 {
     PassBuilder& passes = declaring.passes;

@@ -61,7 +61,7 @@ struct Slices {
 };
 
 /// Over all that casts, seen from where the eye is: from the near plane, or from before the casters, to their farthest.
-/// Both ends are rounded, lest each step of the camera change the size of maps.
+/// Both ends are rounded, so that not every step of the camera changes the size of maps.
 Slices slicesOf(const CameraView& view, const std::array<glm::dvec3, 4>& rays, const Aabb& casters)
 {
     const double diagonal = glm::length(glm::dvec3(casters.upper) - glm::dvec3(casters.lower));

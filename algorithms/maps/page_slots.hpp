@@ -17,7 +17,7 @@ struct PlacedPage {
 };
 
 /// Remembers where pages were put last. That is a guess: what a layer really holds is what its stamp says, so a frame
-/// that was dropped costs pages drawn anew, and never shows wrong ones.
+/// that was dropped costs pages drawn again, and never shows wrong ones.
 class PageSlots {
 public:
     explicit PageSlots(std::uint32_t capacity) : slots_(capacity) {}

@@ -47,7 +47,7 @@ struct DepthMap {
 inline constexpr std::uint32_t kMapBorderTexels = 4;
 
 /// How far the near end of the light's maps may be raised where casters are clamped (raiseNearEnd()), so that none that
-/// may be clipped lies before it: metres, a power of two, lest each step of a figure change the map of the static
+/// may be clipped lies before it: metres, a power of two, so that not each step of a figure changes the map of the static
 /// casters; infinite without such casters. The light has a position.
 float nearLimit(Clamped clamped, const ShadowTask& task);
 

@@ -40,7 +40,7 @@ struct LayerContent {
 };
 
 /// A layer with these casters. Static ones are kept apart for static lights: a copy takes no longer than the clear that
-/// it replaces (a software device: 0.33 and 0.4 ns a texel), and drawing them anew comes on top (150 ns a triangle
+/// it replaces (a software device: 0.33 and 0.4 ns a texel), and drawing them again comes on top (150 ns a triangle
 /// and 1.5 to 2 ns a texel they cover).
 /// @param projectionStamp whatever the projection depends on besides the light.
 LayerContent layerContent(const LightView& light, std::span<const Caster* const> statics,

@@ -2,7 +2,7 @@
 // Source:    M. McCool, "Shadow volume reconstruction from depth maps", ACM TOG 19(1), 2000; Rautenbach 2008, 3.3.1.
 // Reads:     casters, host-drawn ones included, as a depth map; receiver depth and normals.     Writes: visibility.
 // Strong at: volumes of whatever can be drawn, without its triangles; they and the map are kept while nothing moves.
-// Weak at:   as coarse as the map, and dearer than looking it up.
+// Weak at:   as coarse as the map, and costlier than looking it up.
 #include "algorithms/entries.hpp"
 
 #include <algorithm>

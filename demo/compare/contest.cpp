@@ -122,7 +122,7 @@ void Contest::addContestant(Contestant contestant, const std::string& name)
     contestants_.push_back(std::move(contestant));
 }
 
-/// The truths, and the methods that shall be tried.
+/// The truths, and the methods to be tried.
 void Contest::prepare()
 {
     Session session(*device_, scene_, {.scene = {}, .size = stage_.size});

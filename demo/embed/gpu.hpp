@@ -105,7 +105,7 @@ struct Canvas {
         pass = {gpu_.device, vk::RenderPassCreateInfo({}, attachments, subpass, around)};
     }
 
-    /// Makes the images anew; the device is done with the old ones. \param shown The one image, where it is a
+    /// Makes the images again; the device is done with the old ones. \param shown The one image, where it is a
     /// swapchain's.
     void resize(vk::Extent2D wanted, vk::Image shown = {})
     {
@@ -175,7 +175,7 @@ struct Canvas {
     vk::Extent2D size;
 };
 
-/// Images of a window, made anew when its size changes.
+/// Images of a window, made again when its size changes.
 class Swapchain {
 public:
     Swapchain(const Gpu& gpu, GLFWwindow* window) : gpu_(gpu), window_(window)

@@ -48,7 +48,7 @@ public:
     std::vector<int> takePressedKeys();    ///< Since the last call, without repeats.
     bool dragging(double& dx, double& dy); ///< Mouse moved with the right button held.
 
-    /// Acquires an image, lets `draw` fill it, presents it. Makes the swapchain anew when the window changed; then the
+    /// Acquires an image, lets `draw` fill it, presents it. Makes the swapchain again when the window changed; then the
     /// frame is skipped. \return whether a frame was drawn.
     bool frame(const std::function<void(const PresentTarget&)>& draw);
     /// Until everything presented is finished. Before destruction of what frames use.

@@ -185,7 +185,7 @@ int benchCommand(const BenchOptions& options)
         printRow(row);
         addCells(csv, row, *device);
         csv.cell(std::exchange(command, {})).endRow();
-        if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later shall not take it along
+        if (!options.csv.empty()) expect(csv.save(options.csv)); // what ends the command later must not take it along
         if (row.hasErrors) measured.rows.push_back(plottedRow(row, device->properties.deviceName));
     };
     size_t asked = 0, served = 0;

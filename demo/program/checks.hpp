@@ -1,5 +1,5 @@
 #pragma once
-// What a command finds out before it measures anything: a misspelt name, or a file that cannot be written, shall not
+// What a command finds out before it measures anything: a misspelt name, or a file that cannot be written, must not
 // cost minutes first. No device needed. Each check throws a HostError that names the input at fault.
 
 #include <filesystem>

@@ -178,7 +178,7 @@ int contactCommand(const ContactOptions& options)
                 settle(session, methods[column], time, false);
                 drawMethod({sheet, x, y, caption}, session, *truth);
                 drawn = true;
-            } catch (const HostError& error) { // one method shall not end a long sheet
+            } catch (const HostError& error) { // one method must not end a long sheet
                 drawText(sheet, x, y, caption + ": does not serve all of the lights", kInk);
                 noteLeftOut(scenes[row], methods[column], error);
             }

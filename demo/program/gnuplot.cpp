@@ -60,7 +60,7 @@ void plotCurves(const std::string& settings, const std::vector<PlotCurve>& curve
     }
     FILE* pipe = popen("gnuplot", "w"); // NOLINT: a fixed word, no input of anyone's
     if (!pipe) throw HostError("gnuplot could not be started");
-    const NoPipeSignal whileWriting; // after popen(): gnuplot shall not inherit it
+    const NoPipeSignal whileWriting; // after popen(): gnuplot must not inherit it
     std::fwrite(script.data(), 1, script.size(), pipe);
     if (pclose(pipe) != 0) throw HostError("gnuplot failed; is it installed?");
     if (!isWholePng(out)) throw HostError(out + ": gnuplot left no whole picture; is the disk full?");

@@ -291,7 +291,7 @@ void addReplay(CLI::App& app, ReplayCommandOptions& options, int& exitCode)
     CLI::App* replay = app.add_subcommand("replay", "what the plan and others make of a trace");
     replay->add_option("TRACE", options.trace, "a file of `gnomon trace`")->required();
     replay->add_option("--rules", options.rules,
-                       "rule base to ask anew; default: what `trace` asked; policy and allocation as `default` says");
+                       "rule base to ask again; default: what `trace` asked; policy and allocation as `default` says");
     replay->add_option("--budget-ms", options.budget, "as for `trace`; default: as recorded");
     auto* knowledge = replay->add_option("--knowledge", options.knowledge,
                                          "where the cost model starts: a path, or `none`; default: the shipped one");

@@ -61,7 +61,7 @@ std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D
 /// for want of memory for instance.
 void settle(Session& session, const std::string& method, double time, bool recorded);
 
-/// One method shall not end a long measurement: what it failed with goes to the standard error output.
+/// One method must not end a long measurement: what it failed with goes to the standard error output.
 void noteLeftOut(const std::string& scene, const std::string& method, const HostError& error);
 
 struct PairTimes {

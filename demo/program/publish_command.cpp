@@ -83,7 +83,7 @@ public:
         addCells(csv_, row, device_);
         csv_.cell(kind).cell(date_).endRow();
         ++rows_;
-        expect(csv_.save(file_)); // what ends the command later shall not take it along
+        expect(csv_.save(file_)); // what ends the command later must not take it along
     }
     uint32_t rows() const { return rows_; }
 
@@ -115,7 +115,7 @@ void measureLight(Device& device, const Scene& scene, const std::string& kind, c
         if (reasonAgainst(info, scene, false)) continue;
         try {
             table.add(bench.method(info.pName, info.traits, std::nullopt), kind);
-        } catch (const HostError& error) { // one method shall not end hours of measuring
+        } catch (const HostError& error) { // one method must not end hours of measuring
             noteLeftOut(scene.name, info.pName, error);
         }
     }

@@ -24,7 +24,7 @@ rules::RuleBase parseRules(const std::string& nameOrPath);
 /// no fact, or no value of it.
 std::vector<double> parseFacts(const std::string& text, const RuleVocabulary& vocabulary);
 
-/// Asks the rules anew for every light of every frame, from the recorded facts: suitabilities, vetoes, near floors.
+/// Asks the rules again for every light of every frame, from the recorded facts: suitabilities, vetoes, near floors.
 /// Methods that were unable stay so. Throws HostError if the rules do not bind.
 /// @return What the trace does not hold, though the rules would have liked it best for a light that it can serve.
 std::vector<std::string> applyRules(Trace& trace, const rules::RuleBase& base);

@@ -24,7 +24,7 @@ double milliseconds(Clock::duration duration)
     return std::chrono::duration<double, std::milli>(duration).count();
 }
 
-// Switches are worth a picture each, but a rule base that flickers shall not fill the disk.
+// Switches are worth a picture each, but a rule base that flickers must not fill the disk.
 constexpr uint32_t kMaxSwitchPictures = 12;
 
 class PictureTaker {
@@ -220,7 +220,7 @@ private:
     DecisionCollector decisions_;
 };
 
-/// Before anything is made: a misspelt name shall not cost the making.
+/// Before anything is made: a misspelt name must not cost the making.
 void check(const RunOptions& options)
 {
     requireScenes({options.scene});

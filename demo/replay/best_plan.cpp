@@ -65,7 +65,7 @@ void BestPlans::gatherOptions(const PlanProblem& problem) noexcept
         for (const uint32_t method : problem.allowed[light]) {
             const size_t index = size_t{light} * methods_ + method;
             const Option option{problem.costsMs[index], problem.values[index], method};
-            // Insertion by cost; among equals the dearer value first, then registry order (methods come in order).
+            // Insertion by cost; among equals the costlier value first, then registry order (methods come in order).
             uint32_t place = count++;
             for (; place > 0; --place) {
                 const Option& before = first[place - 1];
@@ -179,7 +179,7 @@ void BestPlans::addLight(uint32_t light, double slackMs, double hopeless) noexce
     }
     const double binsPerMs = slackMs > 0.0 ? bins_ / slackMs : 0.0;
     const auto words = static_cast<uint32_t>(inUse_.size());
-    double dearest = -1.0; // a state worth no more than a cheaper one is not carried on
+    double costliest = -1.0; // a state worth no more than a cheaper one is not carried on
     for (uint32_t word = 0; word < words;) {
         if (inUse_[word] == 0) {
             ++word;
@@ -188,8 +188,8 @@ void BestPlans::addLight(uint32_t light, double slackMs, double hopeless) noexce
         const uint32_t bin = word * 64 + static_cast<uint32_t>(std::countr_zero(inUse_[word]));
         inUse_[word] &= inUse_[word] - 1;
         const State state = states_[bin];
-        if (state.value <= dearest) continue;
-        dearest = state.value;
+        if (state.value <= costliest) continue;
+        costliest = state.value;
         for (uint32_t i = 0; i < options.size(); ++i) {
             const double extraMs = state.extraMs + (options[i].costMs - options[0].costMs);
             if (extraMs > slackMs) break;
@@ -226,7 +226,7 @@ bool BestPlans::readTable(uint32_t lights, std::span<uint32_t> chosen) const noe
 }
 
 /// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
-/// cost: rounding never adds up, and no plan found is dearer than it looks. By induction a state (value, cost) that is
+/// cost: rounding never adds up, and no plan found is costlier than it looks. By induction a state (value, cost) that is
 /// lost at one light has a keeper of no less value that costs less than one bin more.
 ///
 /// Only plans worth more than `known`, or as much for less, are looked for; false: there are none. The price at which

@@ -25,7 +25,7 @@ struct PlanProblem {
 struct BestPlan {
     double value = 0.0;
     double costMs = 0.0;
-    bool fits = false; ///< False: even the cheapest plan is dearer than the budget; that plan is returned.
+    bool fits = false; ///< False: even the cheapest plan is costlier than the budget; that plan is returned.
 };
 
 class BestPlans {

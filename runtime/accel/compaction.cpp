@@ -45,7 +45,7 @@ bool DeviceRays::declareCompact(PassBuilder& passes, const MeshView& mesh, MeshS
     if (!passes.holds(structure.compact(mesh.id), content) && !passes.hasRoomFor(structure.compactSize)) return false;
     const BufferId copy = passes.persistentIfPossible(structure.compact(mesh.id));
     if (!copy) {
-        structure.compactStamp = 0; // and it stays so until the mesh is built anew
+        structure.compactStamp = 0; // and it stays so until the mesh is built again
         return false;
     }
     structure.address = passes.address(copy);

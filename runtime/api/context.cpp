@@ -263,7 +263,7 @@ Result<void> Context::setLightMethod(GnLight light, const char* name)
                      "method '" + method->name + "' does not serve the kind of light '" + std::string(info->name) +
                          "' is"};
     state.pinned = method->index;
-    views_.forEach([&](View& view) { // asked for anew, it is tried anew
+    views_.forEach([&](View& view) { // asked for again, it is tried again
         if (const auto known = view.lights.find(info->id); known != view.lights.end())
             known->second.failures[method->index] = {};
     });

@@ -230,7 +230,7 @@ void CostModel::shiftKnown(size_t processor, double octaves) noexcept
 }
 
 /// Lights whose times were known show steps. The others tell of the device as far as it is in doubt: a method that is
-/// dearer than was thought says little of a device that is known.
+/// costlier than was thought says little of a device that is known.
 void CostModel::learnDevice(size_t processor) noexcept
 {
     Belief& device = devices_[processor];

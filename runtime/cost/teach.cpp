@@ -9,7 +9,7 @@ namespace {
 
 using Tracks = std::array<TrackCost, kTracks>;
 
-// By how much a pixel that a light with a radius reaches is dearer than one of a point source: in
+// By how much a pixel that a light with a radius reaches is costlier than one of a point source: in
 // rules/knowledge/lavapipe.csv 6 to 19 times for eight of thirteen methods of penumbrae; two take less, three that add
 // up many shadows more.
 constexpr double kSoftPixel = 8.0;
@@ -49,11 +49,11 @@ uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const 
                uint32_t firstMethod)
 {
     const auto dearestOf = [&](auto&& counts) {
-        Tracks dearest{};
+        Tracks costliest{};
         for (const TaughtMethod& method : methods)
             if (const AlgorithmCost* known = device.find(method.algorithm); known && counts(method))
-                raise(dearest, known->tracks);
-        return dearest;
+                raise(costliest, known->tracks);
+        return costliest;
     };
     const auto isEmpty = [](const Tracks& tracks) {
         return std::all_of(tracks.begin(), tracks.end(), [](const TrackCost& track) { return track.samples == 0; });

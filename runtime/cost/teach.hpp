@@ -14,7 +14,7 @@ struct TaughtMethod {
 };
 
 /// Tells `model` what `device` says of every method from `firstMethod` on. A method that was not measured is expected
-/// to be as dear as the dearest of its kind, term by term, and half an octave off that; one that was not measured under
+/// to be as costly as the costliest of its kind, term by term, and half an octave off that; one that was not measured under
 /// a light with a radius, to take eight times as long for a pixel there. A GPU's numbers are in no relation to what the
 /// cores of a software device take for both: its one factor becomes two.
 /// @return how many of them were measured

@@ -22,7 +22,7 @@ public:
     bool isDue(const rules::RuleBase* base, std::uint64_t frame) const
     {
         if (!base || base->policy.probing.everyFrames == 0 || runs()) return false;
-        // Predictions are made anew about once in a grid's period; looking more often finds the same.
+        // Predictions are made again about once in a grid's period; looking more often finds the same.
         return frame % kGridPeriod == 0 && frame >= since_ + base->policy.probing.everyFrames;
     }
     void begin(std::uint32_t view, std::uint32_t light, std::uint32_t method, std::uint64_t frame)

@@ -4,7 +4,7 @@
 
 namespace gnomon {
 
-/// Ticks of a queue's timestamps, which are so many bits wide and begin anew at their end.
+/// Ticks of a queue's timestamps, which are so many bits wide and begin again at their end.
 class DeviceClock {
 public:
     explicit DeviceClock(std::uint32_t validBits)

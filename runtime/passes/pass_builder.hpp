@@ -52,7 +52,7 @@ struct ImageInfo {
     std::uint32_t variant = 0; ///< Distinguishes settings (a resolution) where name and scope are the same.
 };
 
-/// What lies where in content that is made anew in parts. Whoever makes it says what a part is.
+/// What lies where in content that is made again in parts. Whoever makes it says what a part is.
 struct KeptParts {
     std::uint64_t base = 0;    ///< Stamp of what all parts would hold but for `covered`; 0: nothing is known.
     std::uint64_t covered = 0; ///< Bits of the parts that hold more.
@@ -259,7 +259,7 @@ public:
     /// fresh memory when the old content is still in flight.
     bool stale(ImageId image, std::uint64_t stamp);
     bool stale(BufferId buffer, std::uint64_t stamp);
-    /// Of what stale() has called so, which need not be made anew as a whole: the parts that the very memory to be
+    /// Of what stale() has called so, which need not be made again as a whole: the parts that the very memory to be
     /// written held before this frame.
     KeptParts partsBefore(BufferId buffer) const;
     /// And what they are from now on; stale() has forgotten them.
@@ -284,7 +284,7 @@ public:
     /// ResourcePool::structureLosses().
     std::uint64_t structureLosses() const;
     /// Another number for every image that was ever made: a stamp kept beside an image takes it in, since the image may
-    /// have been freed and made anew. 0: there is none.
+    /// have been freed and made again. 0: there is none.
     std::uint64_t serial(ImageId image) const;
 
     /// Whether the frame has them: for ids that are not our own.

@@ -199,7 +199,7 @@ std::optional<Error> PassGraph::endTask()
     }
     // The task cannot run. Its passes become empty ones, since they are known by their place, and what they would have
     // made is not kept. View-scope passes that are whole stay: other lights share them. Of the others, a later task of
-    // the frame declares those anew that it shares.
+    // the frame declares those again that it shares.
     for (std::size_t i = taskFirstPass_; i < passes_.size(); ++i) {
         Pass& pass = passes_[i];
         if (pass.owner.light == UINT32_MAX && pass.fn) continue;
@@ -244,7 +244,7 @@ PassRef PassGraph::open(PassKind kind, const char* name, Scope scope, std::uint3
 {
     pendingKey_ = key(scope, name, variant, 0x70617373); // "pass"
     const std::uint32_t known = find(pendingKey_);
-    pendingDropped_ = known != UINT32_MAX && passes_[known].fn; // one that was taken back is declared anew
+    pendingDropped_ = known != UINT32_MAX && passes_[known].fn; // one that was taken back is declared again
     pendingBroken_ = false;
     pending_ = Pass{.name = name, .kind = kind, .owner = owner_};
     pending_.owner.declarer = owner_.method;

@@ -117,7 +117,7 @@ struct LightPlan {
     bool floor = false;      ///< Near, or was within the frames of a flip.
     bool floorUnmet = false; ///< Near, but no method is good enough: the best of them serve.
     bool waits = false;      ///< What no light was timed with is another light's to try.
-    bool onTrial = false;    ///< Nothing keeps the budget, and what is thought dearer is tried.
+    bool onTrial = false;    ///< Nothing keeps the budget, and what is thought costlier is tried.
     bool switched = false;
     bool flipped = false;
 };
@@ -249,7 +249,7 @@ private:
     std::vector<UtilityTerms> terms_;         ///< Scratch of admitLight().
     std::array<uint32_t, kMaxParts> users_{}; ///< Lights of current_ per part.
     uint32_t lightCount_ = 0, methods_ = 0;
-    uint32_t orderedMethods_ = 0; ///< Stride of orders_; 0: they are to be made anew.
+    uint32_t orderedMethods_ = 0; ///< Stride of orders_; 0: they are to be made again.
     uint32_t calmFrames_ = 0;     ///< In a row within the budget.
     uint32_t brokenFrames_ = 0;   ///< In a row in which nothing kept the budget, and
     double savedMs_ = 0.0;        ///< what was saved up in them, for trials.

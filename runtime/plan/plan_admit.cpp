@@ -121,7 +121,7 @@ void PlanStep::offerAll(const PlanInput& input) noexcept
 }
 
 /// Where the target has lights change to what no light was timed with, all but one wait: the one that has just done so,
-/// until its time is known; else, in turns, the one that gains most, and any. What comes anew does not try anything.
+/// until its time is known; else, in turns, the one that gains most, and any. A new light does not try anything.
 /// @return whether one waits that would change
 bool PlanStep::gateTrials(const PlanInput& input) noexcept
 {

@@ -45,7 +45,7 @@ inline bool isBetterSuited(const UtilityTerms& a, const UtilityTerms& b) noexcep
 
 /// What counts for a method: its own suitability and quality, or those of the best suited one which it shows as much
 /// as. What the rules say for the one then holds for the other, a difference that nobody sees is none, and which of
-/// them serves is a matter of time alone. Otherwise a budget with room would be spent on a dearer way to the same
+/// them serves is a matter of time alone. Otherwise a budget with room would be spent on a costlier way to the same
 /// picture.
 inline UtilityTerms sharedTerms(std::span<const UtilityTerms> terms, std::size_t method) noexcept
 {

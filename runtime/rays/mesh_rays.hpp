@@ -37,7 +37,7 @@ public:
     }
     ~EmbreeTree();
 
-    /// The same triangles elsewhere: boxes are made anew, what is in them stays.
+    /// The same triangles elsewhere: boxes are made again, what is in them stays.
     void move(std::span<const glm::vec3> positions);
     bool movable() const noexcept { return geometry_ != nullptr; }
     RTCScene scene() const noexcept { return scene_; }

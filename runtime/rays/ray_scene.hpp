@@ -31,7 +31,7 @@ struct ShadowRay {
 
 /// What revisions of a mesh hand on for as long as its triangles stay the same: a tree that nobody traces any more is
 /// moved to the next positions, which takes a twentieth of the time of building one (bench_rays). Trees that have worn,
-/// which triangles that part do to them, are built anew.
+/// which triangles that part do to them, are built again.
 class MeshRaysHistory {
 public:
     class Impl;

@@ -45,11 +45,11 @@ public:
     /// what is found in them is the same.
     std::shared_ptr<const TriangleTree> refitted(std::span<const glm::vec3> positions,
                                                  std::span<const std::uint32_t> indices) const;
-    /// Its boxes have grown so much against the root's since it was built that building it anew pays.
+    /// Its boxes have grown so much against the root's since it was built that building it again pays.
     bool worn() const noexcept { return spread_ > kWorn * spreadBuilt_; }
 
 private:
-    // Lauterbach, Yoon, Tuft and Manocha 2006 (RT-DEFORM) build anew when boxes have worsened by 40 %.
+    // Lauterbach, Yoon, Tuft and Manocha 2006 (RT-DEFORM) build again when boxes have worsened by 40 %.
     static constexpr double kWorn = 1.4;
 
     void fit(std::span<const glm::vec3> positions, std::span<const std::uint32_t> indices);

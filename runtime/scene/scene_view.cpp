@@ -88,7 +88,7 @@ bool touches(const Aabb& box, glm::vec3 center, float radius)
 }
 
 // A segment from a source of radius r to a point in range and cone stays within r of "range and cone", since that is
-// convex: hence everything is widened by r. The shader decides about cone and range in float, whence the further 1e-6
+// convex: hence everything is widened by r. The shader decides about cone and range in float, hence the further 1e-6
 // of the distance and of the angle (8 ulp).
 bool reaches(const LightView& light, const Aabb& box)
 {

@@ -102,7 +102,7 @@ bool isDegenerate(const Corners& v)
 }
 
 /// Whether OpenMesh takes the face. It would answer by itself, but with a message on the process's standard error
-/// through a stream that is shared by all threads; so its three refusals are asked for beforehand.
+/// through a stream that is shared by all threads; so its three refusals are asked for before.
 bool accepts(const HalfEdges& mesh, const std::array<HalfEdges::VertexHandle, 3>& corners)
 {
     std::array<HalfEdges::HalfedgeHandle, 3> edge;

@@ -5,7 +5,7 @@
 
 namespace gnomon {
 
-/// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; anew,
+/// 1.3 times the cheapest plan that keeps the near floor, measured in the first second, in which that plan runs; again,
 /// in a part of a second, after a camera cut and once an eighth of the lights have come or gone to stay: that plan is
 /// another one. Lights that flicker, views that take turns and cuts in every frame do not keep it measuring. In between
 /// it follows what the cheapest plan is predicted to take in each frame, times what such plans took lately over what
@@ -27,11 +27,11 @@ public:
     /// Frames of whose median the budget follows: a quarter second at 60 Hz. Spikes do not move it, and what comes up
     /// within eight frames finds room in kFactor.
     static constexpr std::uint32_t kFollowed = 16;
-    /// Plans this much dearer than the cheapest one, as predicted, still measure it: an incumbent stays for less
+    /// Plans this much costlier than the cheapest one, as predicted, still measure it: an incumbent stays for less
     /// (plan::kChangeMargin).
     static constexpr double kAsCheap = 1.1;
 
-    /// Measures anew.
+    /// Measures again.
     void restart() { *this = {}; }
     /// Each frame, before note(). @param lights of all views
     void look(std::uint32_t lights, bool cut);

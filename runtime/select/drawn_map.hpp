@@ -30,7 +30,7 @@ public:
     static constexpr double kBoundTexels = 1.0;     ///< By which shadows may be off.
     static constexpr std::uint32_t kMostFrames = 8; ///< From one drawing to the next, of what moves.
 
-    /// The map for this frame: drawn anew, or as it is. Lights whose turn comes in the same frames are spread by their
+    /// The map for this frame: drawn again, or as it is. Lights whose turn comes in the same frames are spread by their
     /// numbers.
     /// @param now     of this frame; memory from the arena for what comes back
     /// @return what the map is to be drawn, or looked up, with

@@ -100,10 +100,10 @@ const char* holdText(plan::Hold hold)
 const char* replanText(Replan replan)
 {
     constexpr std::array kTexts = {
-        "decided anew, as in every frame without a budget",
+        "decided again, as in every frame without a budget",
         "the plan was kept",
         "the host pinned the method",
-        "planned anew after a camera cut",
+        "planned again after a camera cut",
         "the first plan",
         "planned for lights that were new or had lost their method",
         "the plan was over its budget and repaired",

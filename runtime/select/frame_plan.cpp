@@ -56,7 +56,7 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     return workload;
 }
 
-/// What asks every caster, and moves slowly: looked at anew every few frames.
+/// What asks every caster, and moves slowly: looked at again every few frames.
 void addEstimates(cost::Workload& workload, const LightMemory& memory, const SelectionInput& input)
 {
     constexpr std::uint64_t kEvery = 8; // frames
@@ -241,7 +241,7 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     requests_.push_back({&decision, &memory, input.pinned, input.importance, drawn.height, input.mostPlainSide});
 }
 
-/// What every method would take for a light, looked up or asked anew. Lights take turns, so that no frame asks for all.
+/// What every method would take for a light, looked up or asked again. Lights take turns, so that no frame asks for all.
 std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, std::uint64_t frame)
 {
     const std::uint32_t methods = methods_.size();

@@ -51,7 +51,7 @@ public:
         double lastSecondMs = 0.0; ///< Of all shadow passes; 0: not known.
         std::uint64_t frame = 0;
     };
-    /// Predicts, and with a budget and a rule base that says so, chooses anew. @return the report of the plan step;
+    /// Predicts, and with a budget and a rule base that says so, chooses again. @return the report of the plan step;
     /// where there was none, PlanReport::cheapestMs alone, and without a floor.
     plan::PlanReport decide(const rules::RuleBase* base, const Budget& budget);
     /// What the newest decide() would have measured; lights by the order of add().
@@ -73,7 +73,7 @@ public:
         std::string device;        ///< Whose numbers they are: of this device, else of one of its kind, else of any.
         bool same = false;
     };
-    /// Starts the cost model anew from what was measured elsewhere; methods added later learn from it too. Allocates.
+    /// Starts the cost model again from what was measured elsewhere; methods added later learn from it too. Allocates.
     Taught teach(cost::KnowledgeBase base, const Device& device);
     /// What teach() took; null before.
     const cost::DeviceKnowledge* knowledge() const { return known_; }

@@ -99,7 +99,7 @@ void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, con
     decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
 }
 
-/// What was changed for its price stays long enough for its timings to be learned, unless it is dearer by far, or two
+/// What was changed for its price stays long enough for its timings to be learned, unless it is costlier by far, or two
 /// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
 /// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
 /// has the incumbent's margin, or guesses of about one price would take turns. Nor has what was on trial any margin.

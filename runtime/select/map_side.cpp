@@ -110,11 +110,11 @@ double sideFor(const MapCoverage& coverage) noexcept
     return std::min(perPixel, std::sqrt(kTexelsPerPixel * coverage.pixels / coverage.maps));
 }
 
-void MapSide::follow(double wish, bool anew) noexcept
+void MapSide::follow(double wish, bool again) noexcept
 {
     if (!(wish > 0.0)) return;
     below_ = wish < kShrink * wanted_ ? below_ + 1 : 0;
-    if (!anew && wish <= kGrow * wanted_ && below_ < kShrinkFrames) return;
+    if (!again && wish <= kGrow * wanted_ && below_ < kShrinkFrames) return;
     wanted_ = sideOfWish(wish);
     below_ = 0;
 }

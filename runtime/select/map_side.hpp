@@ -43,9 +43,9 @@ public:
     static constexpr double kGrow = 1.4, kShrink = 0.6; ///< Of the side, that a wish has to pass.
     static constexpr std::uint32_t kShrinkFrames = 30;  ///< In a row; half a second at 60 Hz.
 
-    /// One frame. @param wish of sideFor(); 0 changes nothing @param anew the newest wish counts alone: the first one,
+    /// One frame. @param wish of sideFor(); 0 changes nothing @param again the newest wish counts alone: the first one,
     /// or that of a camera cut
-    void follow(double wish, bool anew) noexcept;
+    void follow(double wish, bool again) noexcept;
 
     std::uint32_t side() const noexcept { return side_; }     ///< In force.
     std::uint32_t wanted() const noexcept { return wanted_; } ///< By coverage.

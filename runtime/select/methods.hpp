@@ -132,7 +132,7 @@ public:
     void finishBackground();
     bool anyReady() const;
     MethodSet fallbacks() const; ///< What serves while another is not ready.
-    /// Grows when a method is added: rules are bound anew.
+    /// Grows when a method is added: rules are bound again.
     std::uint64_t revision() const { return revision_; }
 
 private:

@@ -13,7 +13,7 @@ namespace gnomon {
 
 /// Why a light's method was thought about.
 enum class Replan : std::uint8_t {
-    everyFrame, ///< No budget: the best suitability, each frame anew.
+    everyFrame, ///< No budget: the best suitability, each frame again.
     kept,       ///< The plan stayed within its budget, and nothing was worth a change.
     host,       ///< The host pinned it.
     cut,        ///< Camera cut: nothing holds.

@@ -303,7 +303,7 @@ void Selector::commit(LightDecision& decision, LightMemory& memory, std::uint64_
         if (decision.method != UINT32_MAX) decision.reason = GN_REASON_NOT_RECORDABLE;
         methods_.warnNotRecordable(decision.pinned, decision.candidates[decision.pinned].detail);
     }
-    // Settled anew where passes could not be made: what served before counts, not what was to serve.
+    // Settled again where passes could not be made: what served before counts, not what was to serve.
     decision.switched = decision.incumbent != UINT32_MAX && decision.method != decision.incumbent;
     if (decision.method != memory.incumbent) memory.methodSince = frame;
     memory.incumbent = decision.method;

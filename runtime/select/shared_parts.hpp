@@ -38,7 +38,7 @@ public:
 
 private:
     struct Entry {
-        std::uint64_t name = 0; ///< Hash of the text: a pass may come from a library that was loaded anew.
+        std::uint64_t name = 0; ///< Hash of the text: a pass may come from a library that was loaded again.
         MethodSet methods;
         MedianOfFive msPerPixel;
         bool shown = false; ///< By a frame.

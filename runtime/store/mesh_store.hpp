@@ -131,7 +131,7 @@ public:
 
     /// A mesh in the host's buffers, which the GPU has still to read.
     Result<std::shared_ptr<MeshRevision>> createInBuffers(BufferMeshInput input) const;
-    /// The mesh, whose positions the GPU will read anew.
+    /// The mesh, whose positions the GPU will read again.
     std::shared_ptr<MeshRevision> rewriteInBuffers(std::shared_ptr<BufferMesh> mesh, const Aabb& bounds) const;
     /// The same revision as a mesh of arrays, derived parts included. One at a time per mesh.
     /// @param content positions, then indices, as in BufferMesh

@@ -17,7 +17,7 @@ constexpr VkMemoryBarrier2 kConversionsAfterAll{
     .dstAccessMask = VK_ACCESS_2_SHADER_STORAGE_READ_BIT | VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT |
                      VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 // Before every read of vertices and indices. Compute and copies come after for another reason as well: the host may
-// write its buffers anew by them, without a barrier of its own.
+// write its buffers again by them, without a barrier of its own.
 VkMemoryBarrier2 conversionsBeforeReads(const DeviceTable& vk)
 {
     VkMemoryBarrier2 barrier = beforeMeshReads(vk);

@@ -15,7 +15,7 @@ layout(constant_id = 0) const bool HAS_NORMALS = true;
 #include "soft_surface.glsl"
 
 // A place on the ray, and whether a surface seen lies just before it: by no more than the ray went since the place before,
-// lest what stands far before it hides the light. The receiver's own plane hides nothing.
+// so that what stands far in front does not hide the light. The receiver's own plane hides nothing.
 bool isBehind(Surface surface, vec3 placeOnRayWs, float stepWs)
 {
     vec2 drawn = drawnAt(constants.view, constants.area, placeOnRayWs);

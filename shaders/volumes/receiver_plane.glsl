@@ -19,7 +19,7 @@ vec4 receiverPlane(vec3 reach)
     // Covers the rounding of far edges, some hundred times: floats know their place in the box to 2^-23 of its size.
     vec3 margin = vec3(1e-3 + (1.0 / 4096.0) * max(upper.x - lower.x, max(upper.y - lower.y, upper.z - lower.z)));
     vec4 plane = extrusionPlane(constants.lightEs, reach, lower - margin, upper + margin);
-    // Not an early return: with one Mesa 22.3 compiles a shader that samples as well anew for every draw.
+    // Not an early return: with one Mesa 22.3 compiles a shader that samples as well again for every draw.
     bool ends = constants.nearLowerEs.w != 0.0 && plane.xyz != vec3(0.0);
     return ends ? plane : vec4(vec3(0.0), constants.nearUpperEs.w);
 }

@@ -223,7 +223,7 @@ TEST_CASE("a place in the finest map is the same place in the others")
     }
 }
 
-TEST_CASE("a walk draws what stands still anew only every eighth of a map's side, a turn keeps sizes")
+TEST_CASE("a walk draws what stands still again only every eighth of a map's side, a turn keeps sizes")
 {
     Wide wide(kLand, glm::normalize(glm::vec3(0.4f, -1.0f, 0.2f)));
     const auto at = [&](float x, float turned) {

@@ -109,7 +109,7 @@ TEST_CASE("where room is found between two tasks of a frame the layer holds its 
 }
 
 TEST_CASE(
-    "an image made anew is drawn whatever its stamps say, a layer not asked for meanwhile when it is wanted again")
+    "an image made again is drawn whatever its stamps say, a layer not asked for meanwhile when it is wanted again")
 {
     Frames frames;
     std::vector<Wanted> wanted{{{1}, {}, 100, 0}, {{2}, {}, 200, 0}};
@@ -190,7 +190,7 @@ TEST_CASE("whatever changes from frame to frame, every layer wanted holds its ca
 }
 
 TEST_CASE(
-    "where the statics' image was made anew, a layer that moves later than another draws its statics again as well")
+    "where the statics' image was made again, a layer that moves later than another draws its statics again as well")
 {
     Frames frames;
     std::vector<Wanted> wanted{{{1}, {7}, 100, 50}, {{2}, {8}, 200, 60}};

@@ -269,7 +269,7 @@ TEST_CASE("of equal casters at one place one stays")
     CHECK(stage.choose().drawn.size() == 5);
 }
 
-TEST_CASE("the volumes of a light are chosen anew exactly when it, its casters or their order changed")
+TEST_CASE("the volumes of a light are chosen again exactly when it, its casters or their order changed")
 {
     Stage stage;
     stage.add(kWall, {0, 1.5f, 3});

@@ -19,7 +19,7 @@ uint32_t slicesDrawn(const Host& host)
 } // namespace
 
 TEST_CASE_FIXTURE(DeviceTest,
-                  "a slice of the view is drawn anew when the camera has left its map, that of all casters never")
+                  "a slice of the view is drawn again when the camera has left its map, that of all casters never")
 {
     Host host(land());
     host.pinAll("cascades");

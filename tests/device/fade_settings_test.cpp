@@ -18,7 +18,7 @@ Scene lightOf(demo::LightKind kind)
     if (kind == demo::LightKind::Point) scene.lights[0] = pointLight("bulb", {1.0, 5.0, 2.0}, true);
     if (kind == demo::LightKind::Directional) scene.lights[0].kind = kind;
     scene.lights[0].radius = 0.3f;
-    scene.instances[1].isStatic = false; // some of a map is kept, some drawn anew
+    scene.instances[1].isStatic = false; // some of a map is kept, some drawn again
     return scene;
 }
 

@@ -23,7 +23,7 @@ struct Failing {
 extern WatchedQueue queue;
 extern Failing failing;
 
-/// A host whose queue and memory are those above, which begin to work anew.
+/// A host whose queue and memory are those above, which begin to work again.
 HostOptions watched();
 
 /// What a host shows that never failed.

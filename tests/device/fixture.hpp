@@ -114,7 +114,7 @@ public:
     void warm(const char* method);
     /// Maps that would follow screen coverage get the sides of lights whose receivers are not measured.
     void fixMapSides();
-    /// New ones in place of all lights, pinned to nothing: what is kept for a light starts anew.
+    /// New ones in place of all lights, pinned to nothing: what is kept for a light starts again.
     void renewLights();
     /// The scene, which has the same things in other places, and new lights with that method: as a new host, without
     /// the half second in which a context makes its pipelines.

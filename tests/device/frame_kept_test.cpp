@@ -333,7 +333,7 @@ TEST_CASE_FIXTURE(DeviceTest,
         if (++turn % 3 == 0) continue; // two of the three kinds of light, not the same for all methods
         const char* method = served.method.pName;
         CAPTURE(std::string(method));
-        Host &host = *pairs[served.kind][0], &anew = *pairs[served.kind][1];
+        Host &host = *pairs[served.kind][0], &again = *pairs[served.kind][1];
         host.beginAnew(sceneWithSwarm(served.kind), method);
         for (int step = 0; step < 4; ++step) {
             CAPTURE(step);
@@ -349,9 +349,9 @@ TEST_CASE_FIXTURE(DeviceTest,
                 moveSwarm(host.scene, random);
             }
             host.require(host.draw());
-            anew.beginAnew(host.scene, method);
-            anew.require(anew.draw());
-            CHECK(differences(host.pictures(), anew.pictures()) == 0);
+            again.beginAnew(host.scene, method);
+            again.require(again.draw());
+            CHECK(differences(host.pictures(), again.pictures()) == 0);
         }
     }
 }

@@ -24,7 +24,7 @@ Scene steadyScene(demo::LightKind kind)
     return scene;
 }
 
-/// Nothing is new in the frame: on a machine whose speed changes, rules may choose anew at any time.
+/// Nothing is new in the frame: on a machine whose speed changes, rules may choose again at any time.
 bool keepsChoice(const GnDecision& now, const GnDecision& before)
 {
     return !now.switched && !now.pOutgoing && !now.pProbed && !before.pProbed && now.mapSide == before.mapSide &&
@@ -110,7 +110,7 @@ TEST_CASE("a frame in which a caster moves allocates nothing either")
             heap += host.counted;
             objects += host.stats().deviceAllocations;
         }
-        // Embree allocates when the tree over the instances is committed anew; nothing of ours does.
+        // Embree allocates when the tree over the instances is committed again; nothing of ours does.
         if (test::countsOnlyOurs()) CHECK(heap <= (method.traits & GN_TRAIT_RAYS_BIT ? kFrames : 0));
         CHECK(objects == 0);
     }

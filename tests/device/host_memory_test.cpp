@@ -145,7 +145,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a mesh whose destruction found no memory is there
     host.require(host.draw());
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "a recorded frame can be dropped after the next one failed, and its map is drawn anew")
+TEST_CASE_FIXTURE(DeviceTest, "a recorded frame can be dropped after the next one failed, and its map is drawn again")
 {
     if (!countsOnlyOurs()) return;
     std::vector<Image8> good;

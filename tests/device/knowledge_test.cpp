@@ -59,7 +59,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a knowledge base of this device decides what is p
     CHECK(predicted(host) == doctest::Approx(4.0).epsilon(0.2)); // the light rests: no update is due
     // More than it takes, also where other programs share the processors.
     REQUIRE(load(host, knowledge(device().properties.deviceName, 40.0)) == GN_SUCCESS);
-    CHECK(predicted(host) == doctest::Approx(40.0).epsilon(0.2)); // anew, not on top
+    CHECK(predicted(host) == doctest::Approx(40.0).epsilon(0.2)); // again, not on top
 
     // Twenty more lights than the cost model has room for at first.
     const GnLightInfo info{.type = GN_LIGHT_TYPE_SPOT, .position = {0, 5, 0}, .direction = {0, -1, 0}, .range = 10};

@@ -63,7 +63,7 @@ struct Refusing {
     void says(const char* words)
     {
         CAPTURE(std::string(words));
-        host.pinAll("caller"); // which asks for it anew
+        host.pinAll("caller"); // which asks for it again
         host.takeMessages();
         host.require(host.draw());
         const std::vector<std::string> messages = host.takeMessages();

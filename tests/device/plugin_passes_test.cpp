@@ -169,7 +169,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that cannot be is refused, and ano
         storer.access = access;
         storer.answer = GN_SUCCESS;
         host.takeMessages();
-        host.pinAll("storer"); // which asks for it anew
+        host.pinAll("storer"); // which asks for it again
         host.require(host.draw());
         CHECK(storer.answer == GN_ERROR_UNSUPPORTED);
         const std::vector<std::string> messages = host.takeMessages();
@@ -186,7 +186,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a foreign pass that cannot be is refused, and ano
 }
 
 TEST_CASE_FIXTURE(DeviceTest,
-                  "a method that failed is asked again after a second, then after two; at once if pinned anew")
+                  "a method that failed is asked again after a second, then after two; at once if pinned again")
 {
     Host host(smallScene());
     Storer storer;

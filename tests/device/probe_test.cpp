@@ -14,7 +14,7 @@ constexpr uint32_t kEvery = 20;
 constexpr VkExtent2D kExtent{96, 54};
 
 /// The two exact methods, more than either takes in any build. The second one is expected to be cheaper by a third,
-/// but so little is known of it that it counts as dearer: its upper bound wastes little.
+/// but so little is known of it that it counts as costlier: its upper bound wastes little.
 std::string knowledge()
 {
     cost::DeviceKnowledge known{device().properties.deviceName, "", "software", {}, {}};

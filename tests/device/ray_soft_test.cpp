@@ -74,7 +74,7 @@ TEST_CASE_FIXTURE(DeviceTest, "the past is held back where something moves, and 
     CHECK(host.passCount("ray_soft.blur_now") == 0);
 }
 
-TEST_CASE_FIXTURE(DeviceTest, "a view of another size, or after a cut, begins anew")
+TEST_CASE_FIXTURE(DeviceTest, "a view of another size, or after a cut, begins again")
 {
     if (!canTrace()) return;
     Host host(wideLight()), fresh(wideLight());

@@ -94,7 +94,7 @@ TEST_CASE("10 000 frames of moving casters leave nothing behind")
     CHECK(least == largest);
     if (countsOnlyOurs()) {
         // Embree allocates when the tree over the instances, which angular_spans asks of open meshes, is committed
-        // anew; nothing of ours does.
+        // again; nothing of ours does.
         CHECK(heap <= kFrames);
         // The host's own lists of this frame; one more a frame would be ten thousand.
         CHECK(std::abs(liveAllocationCount() - liveBefore) < 100);

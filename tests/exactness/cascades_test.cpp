@@ -1,4 +1,4 @@
-// What several maps of a directional light are worth beside one, and that keeping them shows what drawing them anew
+// What several maps of a directional light are worth beside one, and that keeping them shows what drawing them again
 // does.
 #include <algorithm>
 #include <cmath>
@@ -248,9 +248,9 @@ TEST_CASE("after the camera and casters have moved, kept maps show what new ones
             const Pictures kept = walked.draw("cascades", kCoarse);
             if (i % 4 != 0) continue;
             Stage fresh(scene, {640, 360}, i);
-            const Pictures anew = fresh.draw("cascades", kCoarse);
+            const Pictures again = fresh.draw("cascades", kCoarse);
             for (size_t layer = 0; layer < kept.size(); ++layer)
-                CHECK(kept[layer].texels == anew[layer].texels);
+                CHECK(kept[layer].texels == again[layer].texels);
         }
     }
 }

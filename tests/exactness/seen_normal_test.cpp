@@ -97,7 +97,7 @@ TEST_CASE("a row or a column of pixels without normals is as lit as with them")
         strips.push_back({{x, 0}, {1, 180}});
     for (const auto convention : {DepthConvention::ReversedInfinite, DepthConvention::Standard}) {
         Host host(sceneOf(convention), {.extent = kImage});
-        // One method after the other: a light whose method changes makes its maps and buffers anew.
+        // One method after the other: a light whose method changes makes its maps and buffers again.
         const auto eachShown = [&](const char* method, bool normals) {
             std::vector<Image8> pictures;
             for (const VkRect2D& strip : strips)

@@ -343,7 +343,7 @@ TEST_CASE("a method whose passes fail again after every few frames is tried more
     CHECK(failures > 4);
     CHECK(failures < 16); // pauses of 4, 8, 16, ... frames
 
-    // One that served for as long as it was left alone starts anew.
+    // One that served for as long as it was left alone starts again.
     for (std::uint64_t frame = failure.until; frame <= 2 * failure.until; ++frame)
         failure.noteServed(frame);
     CHECK(failure.times == 0);

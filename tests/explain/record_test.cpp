@@ -362,7 +362,7 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "without a budget what shows more serves where it is dearer by a tenth at most, twice that where it serves already")
+    "without a budget what shows more serves where it is costlier by a tenth at most, twice that where it serves already")
 {
     std::array<Candidate, 3> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
@@ -397,7 +397,7 @@ TEST_CASE("without a budget what shows more is held against the cheapest that sh
     };
     set(0, 3400, 0.95f, 20.0f); // best suited
     set(1, 2000, 0.97f, 12.0f);
-    set(2, 2000, 1.0f, 21.9f); // a tenth dearer than what is wanted
+    set(2, 2000, 1.0f, 21.9f); // a tenth costlier than what is wanted
     set(3, 2000, 1.0f, 30.0f);
     for (const uint32_t incumbent : {0u, 1u, 2u, 3u, UINT32_MAX}) {
         CAPTURE(incumbent);

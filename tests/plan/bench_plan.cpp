@@ -135,7 +135,7 @@ void predicting(benchmark::State& state)
 BENCHMARK(predicting)->ArgNames({"lights", "methods"})->ArgsProduct({{64}, {12, 21, 64}})->UseManualTime();
 
 /// From facts to methods: the rules asked about every light, as Selector does (6 facts, 40 rules, an output a method),
-/// the times of an eighth of the lights predicted anew, as FramePlan does, and the plan of all.
+/// the times of an eighth of the lights predicted again, as FramePlan does, and the plan of all.
 void wholeDecision(benchmark::State& state)
 {
     const auto lights = static_cast<uint32_t>(state.range(0));

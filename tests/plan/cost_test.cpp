@@ -189,7 +189,7 @@ TEST_CASE("a device that becomes half as fast is noticed within three frames, fo
     CHECK(std::fabs(others) < 0.4);
 }
 
-TEST_CASE("a method that is dearer than was thought is at once expected to be with every light")
+TEST_CASE("a method that is costlier than was thought is at once expected to be with every light")
 {
     Random random(21);
     Truth truth(random);
@@ -309,7 +309,7 @@ TEST_CASE("a software device that starts from a GPU's base learns a factor for e
     CHECK(expected("software") < 10.0); // its GPU is those cores, too: one factor, in between
 }
 
-TEST_CASE("a method that was not measured costs as much as the dearest of its kind")
+TEST_CASE("a method that was not measured costs as much as the costliest of its kind")
 {
     DeviceKnowledge device;
     const auto add = [&](const char* name, double ms) {

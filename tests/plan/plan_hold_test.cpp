@@ -44,7 +44,7 @@ TEST_CASE("upgrades come two a frame, after thirty frames within the budget")
     scene.input.budgetMs = 9.0;
     scene.step(5);
     CHECK(scene.plan.lights()[0].chosen == kCheap);
-    scene.input.budgetMs = 7.0; // a violation, so that the wait starts anew
+    scene.input.budgetMs = 7.0; // a violation, so that the wait starts again
     CHECK(scene.step().overMs > 0.0);
     scene.input.budgetMs = 40.0;
     uint32_t frames = 0, switched = 0;

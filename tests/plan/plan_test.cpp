@@ -34,7 +34,7 @@ TEST_CASE("what shows as much counts as much, unless the rules like it less than
     scene.step();
     CHECK(scene.chosen(0) == kCheap);
     CHECK(scene.why(0, kGood) == Why::price);
-    // Worth more and dearer: what suits better did not lose by its price.
+    // Worth more and costlier: what suits better did not lose by its price.
     scene.of(0, kCheap).quality = 1.0f;
     scene.of(0, kCheap).ms = 5.0;
     scene.memories[0] = {};

@@ -9,7 +9,7 @@ using namespace gnomon::plan;
 
 namespace {
 
-/// Two lights, method 0 serves; 1 shows as much, is predicted 15 % dearer, and not well known; 2 shows less.
+/// Two lights, method 0 serves; 1 shows as much, is predicted 15 % costlier, and not well known; 2 shows less.
 struct Scene {
     std::vector<LightMemory> memories{2};
     std::vector<LightRequest> requests;
@@ -78,7 +78,7 @@ TEST_CASE("nothing is probed that is known, cannot win, or might not fit")
     scene.of(0, 1).firstFrameMs = 20.0;
     CHECK(scene.probe().light == kNone);
     scene.of(0, 1).firstFrameMs = 0.0;
-    scene.of(0, 1).sigmaMs = 0.1; // 0.3 ms dearer for certain
+    scene.of(0, 1).sigmaMs = 0.1; // 0.3 ms costlier for certain
     CHECK(scene.probe().light == kNone);
     scene.of(0, 1) = {.suitability = 3000, .quality = 1.0f, .ms = 2.01, .sigmaMs = 0.2}; // could win, but is known
     CHECK(scene.probe().light == kNone);

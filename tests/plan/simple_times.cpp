@@ -24,14 +24,14 @@ SimpleTimes::SimpleTimes(const cost::DeviceKnowledge& known, std::span<const std
     : tuning_(tuning), methods_(static_cast<uint32_t>(methods.size())), seeds_(methods.size()),
       timed_(size_t{lights} * methods.size() * 2), scales_(methods.size())
 {
-    std::array<cost::TrackCost, cost::kTracks> dearest{}; // what is not in the base is as dear as any, term by term
+    std::array<cost::TrackCost, cost::kTracks> costliest{}; // what is not in the base is as costly as any, term by term
     for (const cost::AlgorithmCost& algorithm : known.algorithms)
         for (uint32_t t = 0; t < cost::kTracks; ++t)
             for (uint32_t i = 0; i < cost::kTerms; ++i)
-                dearest[t].ms[i] = std::max(dearest[t].ms[i], algorithm.tracks[t].ms[i]);
+                costliest[t].ms[i] = std::max(costliest[t].ms[i], algorithm.tracks[t].ms[i]);
     for (size_t m = 0; m < methods.size(); ++m) {
         const cost::AlgorithmCost* of = known.find(methods[m]);
-        seeds_[m] = of ? of->tracks : dearest;
+        seeds_[m] = of ? of->tracks : costliest;
     }
     steps_.reserve(size_t{lights} * 2);
     firsts_.reserve(size_t{lights} * 2);

@@ -106,7 +106,7 @@ TEST_CASE("a broken budget is repaired by what was timed, and by what was not on
 }
 
 TEST_CASE(
-    "where nothing keeps the budget, one light at a time tries what is thought dearer, for a fiftieth of all time")
+    "where nothing keeps the budget, one light at a time tries what is thought costlier, for a fiftieth of all time")
 {
     constexpr uint32_t kLights = 4;
     Scene scene(kLights, cheapAndGood());
@@ -158,7 +158,7 @@ TEST_CASE("a broken budget is no reason to try what could not keep it with any l
     };
     CHECK(tries(3.6, 2.5, 3.0));
     CHECK_FALSE(tries(3.6, 2.5, 3.0, 0)); // the rules want nothing tried
-    CHECK_FALSE(tries(2.6, 2.5, 3.0));    // it is known to be dearer
+    CHECK_FALSE(tries(2.6, 2.5, 3.0));    // it is known to be costlier
     CHECK_FALSE(tries(3.0, 2.5, 3.0));    // it would need three standard errors of luck
     CHECK(tries(3.6, 2.5, 1.3));
     CHECK_FALSE(tries(3.6, 2.5, 1.1)); // two less than expected are 0.3 ms, of all lights 1.2

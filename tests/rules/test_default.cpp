@@ -212,7 +212,7 @@ TEST_CASE("far penumbrae suit even edges best by default.yaml while nothing move
             CHECK(best(0, 80, triangles, 0) != "moments");
             CHECK(best(0, 5, triangles, 8) != "moments");
         }
-        if (even) CHECK(best(1, 80, 4.5, 8) == "shadow_map"); // drawn and filtered anew
+        if (even) CHECK(best(1, 80, 4.5, 8) == "shadow_map"); // drawn and filtered again
     }
 }
 
@@ -238,7 +238,7 @@ TEST_CASE("pages serve a light whose one map is too coarse: far off, and in reco
     }
     CHECK(best("battery", 0.0, 5.0, 0.0, kCoarse) == "virtual_map");
     CHECK(best("battery", 0.0, 5.0, 0.0, kFine) == "shadow_map");
-    CHECK(best("battery", 1.0, 5.0, 0.0, kCoarse) == "shadow_map"); // drawn anew
+    CHECK(best("battery", 1.0, 5.0, 0.0, kCoarse) == "shadow_map"); // drawn again
 }
 
 TEST_CASE("the shipped rule bases are found by name, and nothing else is")

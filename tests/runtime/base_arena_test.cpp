@@ -69,7 +69,7 @@ TEST_CASE("a repeated frame allocates nothing, whatever the order of its request
             arena.allocate(size, 16);
     };
     frame();
-    std::reverse(sizes.begin(), sizes.end()); // the dearest order for blocks of two sizes
+    std::reverse(sizes.begin(), sizes.end()); // the costliest order for blocks of two sizes
     frame();
     const std::size_t blocks = arena.blockCount(), before = test::allocationCount();
     for (int i = 0; i < 20; ++i) {

@@ -127,7 +127,7 @@ TEST_CASE("structures are built when something changes, and then no more of them
     CHECK(built() == std::pair(false, false));
 }
 
-TEST_CASE("what has not been seen for a second is given back, and built anew when it is seen again")
+TEST_CASE("what has not been seen for a second is given back, and built again when it is seen again")
 {
     Frames frames(true);
     Casters scene({10});

@@ -199,7 +199,7 @@ bool stays(AutoBudget& budget, std::uint32_t frames, std::uint32_t lights, bool 
 
 } // namespace
 
-TEST_CASE("budget auto is measured anew after a cut and once an eighth of the lights have come or gone to stay")
+TEST_CASE("budget auto is measured again after a cut and once an eighth of the lights have come or gone to stay")
 {
     AutoBudget budget;
     CHECK(measure(budget, 9, 2.0) == AutoBudget::kMostFrames); // 300 ms: not a second yet
@@ -254,7 +254,7 @@ TEST_CASE("budget auto follows what the cheapest plan takes over what was predic
     CHECK(budget.perCheapest() == 0.0);                            // too little is known
     CHECK(follow(1, 3.3, 3.0, 3.0) == doctest::Approx(1.3 * 1.1)); // frames that measured count
     CHECK(follow(AutoBudget::kFollowed / 2 - 1, 9.0, 3.0, 3.0) == doctest::Approx(1.3 * 1.1)); // spikes
-    CHECK(follow(100, 9.0, 5.0, 3.0) == doctest::Approx(1.3 * 1.1));                           // a dearer plan's
+    CHECK(follow(100, 9.0, 5.0, 3.0) == doctest::Approx(1.3 * 1.1));                           // a costlier plan's
     CHECK(follow(100, -1.0, 3.0, 3.0) == doctest::Approx(1.3 * 1.1));                          // unknown
     CHECK(follow(100, 3.0, 0.0, 0.0) == doctest::Approx(1.3 * 1.1));
     CHECK(follow(100, 3.0, 3.2, 3.0) == doctest::Approx(1.3 * 3.0 / 3.2)); // about as cheap

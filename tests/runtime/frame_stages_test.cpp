@@ -296,7 +296,7 @@ TEST_CASE("a light that nothing can serve is lit")
     CHECK(trip.scene.said().size() == 4);
 }
 
-TEST_CASE("replacements come as the choice would make it anew each time, and end with none")
+TEST_CASE("replacements come as the choice would make it again each time, and end with none")
 {
     std::vector<Candidate> candidates(5);
     const auto suited = [&](std::size_t i, std::int32_t quantised, Exclusion exclusion) {

@@ -78,7 +78,7 @@ TEST_CASE("a side grows at once, and shrinks once the wish has been small for ha
     CHECK(side.wanted() == 1024);
     follow(side, 0.59 * 1024.0, MapSide::kShrinkFrames - 1);
     CHECK(side.wanted() == 1024);
-    follow(side, 0.61 * 1024.0, 1); // begins to count anew
+    follow(side, 0.61 * 1024.0, 1); // begins to count again
     follow(side, 0.59 * 1024.0, MapSide::kShrinkFrames - 1);
     CHECK(side.wanted() == 1024);
     follow(side, 0.59 * 1024.0, 1);

@@ -268,7 +268,7 @@ TEST_CASE("trees handed on from revision to revision answer like built ones, and
     checkAgainstTruth(scene, {casterOf(*inFlight.back(), 1)}, rays);
 }
 
-TEST_CASE("a tree whose triangles have parted is built anew")
+TEST_CASE("a tree whose triangles have parted is built again")
 {
     constexpr std::uint32_t side = 24;
     std::mt19937 random(10);

@@ -154,7 +154,7 @@ namespace {
 
 constexpr BufferInfo kCopy{.name = "test.copy", .scope = Scope::light, .size = 4096, .place = BufferPlace::readback};
 
-/// Frames in which a buffer's content is made anew in parts.
+/// Frames in which a buffer's content is made again in parts.
 struct PartFrames : Pool {
     FrameArena arena;
     PassGraph graph{pool, arena};

@@ -272,7 +272,7 @@ TEST_CASE("rewritten positions are never seen with the trees of the old ones")
 #endif
 
 #ifdef GNOMON_WITH_OPENMESH
-TEST_CASE("connectivity is found anew when vertices that were welded come apart")
+TEST_CASE("connectivity is found again when vertices that were welded come apart")
 {
     SceneFixture scene;
     Shape shape = triangle();

@@ -482,7 +482,10 @@ GN_API GnResult GN_CALL gnAddMethod(GnContext context, const char* pName, const 
 texel is about a pixel where the light's receivers are nearest, and so that all its maps have four texels at most for a
 pixel that the light reaches. GnDecision::mapSide says which side that is. It is 1024, or what corresponds to that for
 the method, until receivers have been measured; without rules nothing is measured. A kept map is drawn once for another
-side, one light a frame. */
+side, one light a frame.
+
+A value in range that counts as less with the method's other settings (the exponents of EVSM with 16 bits a moment) is
+taken, and the message `SettingClamped` says so once. */
 GN_API GnResult GN_CALL gnSetMethodSetting(GnContext context, const char* pMethod, const char* pSetting, double value);
 
 /** \brief Loads a rule base from YAML text. On errors every one is reported as a message with `pFileName`, line and
@@ -496,17 +499,17 @@ GN_API GnResult GN_CALL gnLoadShippedRules(GnContext context, const char* pName)
 
 /** \brief Changes the rules in force as their text says under `presets`, from the next frame on: "default" has "low",
 "medium", "high" and "ultra". Each is a change of the loaded base, not of the preset before it; null or "" is the base
-as it stands, and so is what gnLoadRules() loads. Reads the text anew: for a menu, not for every frame.
+as it stands, and so is what gnLoadRules() loads. Reads the text again: for a menu, not for every frame.
 \return #GN_ERROR_OUT_OF_RANGE for a name that the base does not have, with a message that lists those it has,
     #GN_ERROR_RULES where no rules are loaded. The rules in force stay. */
 GN_API GnResult GN_CALL gnSetPreset(GnContext context, const char* pName);
 
-/** \brief Starts the cost model anew from a knowledge base: the CSV text that `gnomon calibrate` writes.
+/** \brief Starts the cost model again from a knowledge base: the CSV text that `gnomon calibrate` writes.
 
 Rows of this device are used where there are any; else those of the first device of its kind (software, integrated,
 discrete), and how much faster or slower this one is is learned from the first timed frames. What running frames had
 taught is forgotten; methods added later start from the rows of their algorithm, and those that nobody has measured from
-the dearest of their kind. A row that cannot be used (NaN, a negative time, a missing cell) refuses the whole text, with
+the costliest of their kind. A row that cannot be used (NaN, a negative time, a missing cell) refuses the whole text, with
 a message that has `pFileName`, its line and the value. A table without any row, or with rows of other algorithms only,
 is a warning and changes nothing: predictions go on as they were.
 

@@ -115,7 +115,7 @@ typedef struct GnTransform {
 /** What an instance is. */
 typedef enum GnInstanceFlagBits {
     GN_INSTANCE_STATIC_BIT = 0x1,           ///< Will not move. If it does: reported once, moving from then on.
-                                            ///< Host-drawn: nor change its shape; without the bit it is drawn anew in
+                                            ///< Host-drawn: nor change its shape; without the bit it is drawn again in
                                             ///< every frame.
     GN_INSTANCE_ALPHA_TESTED_BIT = 0x2,     ///< Rays ask pfnOpacity. Depth maps draw the whole mesh, unless the host
                                             ///< draws the instance; volumes, planar shadows and spans refuse a light
