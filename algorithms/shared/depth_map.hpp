@@ -47,8 +47,8 @@ struct DepthMap {
 inline constexpr std::uint32_t kMapBorderTexels = 4;
 
 /// How far the near end of the light's maps may be raised where casters are clamped (raiseNearEnd()), so that none that
-/// may be clipped lies before it: metres, a power of two, so that not each step of a figure changes the map of the static
-/// casters; infinite without such casters. The light has a position.
+/// may be clipped lies before it: metres, a power of two, so that not each step of a figure changes the map of the
+/// static casters; infinite without such casters. The light has a position.
 float nearLimit(Clamped clamped, const ShadowTask& task);
 
 /// The projection of a directional or spot light's map of `resolution` texels; memory from the arena.

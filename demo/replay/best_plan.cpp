@@ -226,8 +226,8 @@ bool BestPlans::readTable(uint32_t lights, std::span<uint32_t> chosen) const noe
 }
 
 /// Dynamic programming over lights. A bin keeps the most valuable state whose extra cost falls into it, with its exact
-/// cost: rounding never adds up, and no plan found is costlier than it looks. By induction a state (value, cost) that is
-/// lost at one light has a keeper of no less value that costs less than one bin more.
+/// cost: rounding never adds up, and no plan found is costlier than it looks. By induction a state (value, cost) that
+/// is lost at one light has a keeper of no less value that costs less than one bin more.
 ///
 /// Only plans worth more than `known`, or as much for less, are looked for; false: there are none. The price at which
 /// greedy stopped makes the bound of boundRest() tight, and most states fall below `known` at once.

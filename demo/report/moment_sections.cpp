@@ -38,8 +38,8 @@ std::vector<uint32_t> chosen(const std::vector<uint32_t>& frames)
     return {frames[frames.size() / 2], frames.front(), frames.back()};
 }
 
-/// The light to ask about: one that got another method in this frame, or the one measured costliest. None where no light
-/// had a method.
+/// The light to ask about: one that got another method in this frame, or the one measured costliest. None where no
+/// light had a method.
 const LightTrack* lightOf(const RunData& run, uint32_t frame)
 {
     const LightTrack* best = nullptr;

@@ -16,8 +16,8 @@
 namespace gnomon {
 namespace {
 
-// Refits until a structure is built again: boxes of what has moved apart grow with every one. An estimate: half a second
-// at 60 Hz.
+// Refits until a structure is built again: boxes of what has moved apart grow with every one. An estimate: half a
+// second at 60 Hz.
 constexpr std::uint64_t kRefits = 32;
 // Frames after which what is known of a mesh is forgotten that nobody traces: the pool has given its structure back
 // long before (passes/resources.cpp).

@@ -87,7 +87,8 @@ private:
         BufferId structure;
         std::uint64_t query; ///< CompactedSizes
     };
-    /// Stamp of a mesh's structure: a copy on the CPU that has arrived may number triangles again, at the same revision.
+    /// Stamp of a mesh's structure: a copy on the CPU that has arrived may number triangles again, at the same
+    /// revision.
     static std::uint64_t contentOf(const MeshView& mesh);
     /// What is known of a caster in one turn.
     struct Checked {

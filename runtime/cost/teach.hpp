@@ -14,9 +14,9 @@ struct TaughtMethod {
 };
 
 /// Tells `model` what `device` says of every method from `firstMethod` on. A method that was not measured is expected
-/// to be as costly as the costliest of its kind, term by term, and half an octave off that; one that was not measured under
-/// a light with a radius, to take eight times as long for a pixel there. A GPU's numbers are in no relation to what the
-/// cores of a software device take for both: its one factor becomes two.
+/// to be as costly as the costliest of its kind, term by term, and half an octave off that; one that was not measured
+/// under a light with a radius, to take eight times as long for a pixel there. A GPU's numbers are in no relation to
+/// what the cores of a software device take for both: its one factor becomes two.
 /// @return how many of them were measured
 uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const TaughtMethod> methods,
                uint32_t firstMethod = 0);

@@ -62,9 +62,10 @@ std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint
 
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods that the
 /// rules like at least half as well as `wanted` (what they avoid is not taken for its
-/// price): the cheapest that shows as much as `wanted`; or one that shows more and is costlier than that by no more than
-/// kPriceMargin, or twice that where it serves already, and of those that show as much as it the cheapest. An incumbent
-/// that does as well, and is no costlier than what is wanted, stays until something is cheaper by kPriceMargin.
+/// price): the cheapest that shows as much as `wanted`; or one that shows more and is costlier than that by no more
+/// than kPriceMargin, or twice that where it serves already, and of those that show as much as it the cheapest. An
+/// incumbent that does as well, and is no costlier than what is wanted, stays until something is cheaper by
+/// kPriceMargin.
 std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t wanted,
                            std::uint32_t incumbent) noexcept;
 

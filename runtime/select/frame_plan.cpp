@@ -241,7 +241,8 @@ void FramePlan::add(LightDecision& decision, LightMemory& memory, const Selectio
     requests_.push_back({&decision, &memory, input.pinned, input.importance, drawn.height, input.mostPlainSide});
 }
 
-/// What every method would take for a light, looked up or asked again. Lights take turns, so that no frame asks for all.
+/// What every method would take for a light, looked up or asked again. Lights take turns, so that no frame asks for
+/// all.
 std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, std::uint64_t frame)
 {
     const std::uint32_t methods = methods_.size();

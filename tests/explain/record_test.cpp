@@ -361,8 +361,8 @@ TEST_CASE(
     CHECK(cheaperEqual(all, UINT32_MAX, 1) == UINT32_MAX);
 }
 
-TEST_CASE(
-    "without a budget what shows more serves where it is costlier by a tenth at most, twice that where it serves already")
+TEST_CASE("without a budget what shows more serves where it is costlier by a tenth at most, twice that where it serves "
+          "already")
 {
     std::array<Candidate, 3> all{};
     const auto set = [&](uint32_t m, int32_t suitability, float quality, float ms) {
