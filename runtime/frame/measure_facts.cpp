@@ -62,6 +62,7 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
     memory.share.add(reach.share);
     memory.treeLevels.add(reach.treeLevels);
     memory.penumbraPixels.add(reach.penumbraPixels);
+    memory.outlines.add(reach.outlines);
     memory.measured = true;
     memory.measuredAt = frame;
     const VkExtent2D drawn = grid.camera().area.extent;

@@ -51,7 +51,7 @@ struct Lens {
     glm::vec3 eye, right, up, forward;
     float pixelsPerMetre; ///< At depth 1; orthographic: anywhere.
     bool orthographic;
-    glm::vec2 half;       ///< Of the picture, pixels.
+    glm::vec2 half; ///< Of the picture, pixels.
 };
 
 Lens lensOf(const CameraView& view)
@@ -169,6 +169,15 @@ double shadowPixels(const LightView& light, const LightCasters& casters, const C
                                      {cluster.meanSides, scale * cluster.meanSideLength});
     }
     return pixels;
+}
+
+Outline outlineOf(const Caster& caster)
+{
+    const Topology* topology = caster.mesh ? caster.mesh->topology : nullptr;
+    const float scale = scaleOf(caster);
+    if (topology) return {scale * topology->whole.meanSideLength, scale * scale * topology->whole.meanArea};
+    const glm::vec3 size = 2.0f * caster.bounds.halfExtent(); // a solid box's area
+    return {sidesOf(caster).length, 0.5f * (size.x * size.y + size.y * size.z + size.z * size.x)};
 }
 
 } // namespace gnomon

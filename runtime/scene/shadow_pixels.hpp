@@ -10,4 +10,11 @@ namespace gnomon {
 /// casters.
 double shadowPixels(const LightView& light, const LightCasters& casters, const CameraView& view);
 
+/// Of a caster as a light sees it, on average over directions.
+struct Outline {
+    float length = 0.0f; ///< Metres.
+    float area = 0.0f;   ///< Square metres of the faces; what others of them hide counts, too.
+};
+Outline outlineOf(const Caster& caster);
+
 } // namespace gnomon

@@ -273,10 +273,22 @@ void judgeClusters(Topology& topology)
     topology.whole.faceCount = static_cast<std::uint32_t>(topology.faceVerts.size() / 3);
 }
 
+/// A face shows half of its area on average over directions (Cauchy); of a solid half of the faces are turned away.
+double meanArea(const Topology& topology, const Topology::Cluster& cluster)
+{
+    double doubled = 0.0; // a normal's length is twice the area
+    for (std::uint32_t place = cluster.firstFace; place < cluster.firstFace + cluster.faceCount; ++place)
+        doubled += static_cast<double>(glm::length(glm::vec3(topology.facePlanes[topology.faceAt(place)])));
+    return 0.25 * doubled * (cluster.closed ? 0.5 : 1.0);
+}
+
 void noteSides(Topology& topology, std::span<const glm::vec3> positions)
 {
-    double allCount = 0.0, allLength = 0.0;
+    double allCount = 0.0, allLength = 0.0, allArea = 0.0;
     for (Topology::Cluster& cluster : topology.clusters) {
+        const double area = meanArea(topology, cluster);
+        cluster.meanArea = static_cast<float>(area);
+        allArea += area;
         double count = 0.0, length = 0.0;
         for (const Topology::Edge& edge : edgesOf(topology, cluster)) {
             const double sides = meanSides(topology, edge, cluster.closed);
@@ -290,6 +302,7 @@ void noteSides(Topology& topology, std::span<const glm::vec3> positions)
     }
     topology.whole.meanSides = static_cast<float>(allCount);
     topology.whole.meanSideLength = static_cast<float>(allLength);
+    topology.whole.meanArea = static_cast<float>(allArea);
 }
 
 } // namespace

@@ -74,6 +74,7 @@ struct Topology {
         bool closed = false;                        ///< Watertight and not inside out: a solid.
         float meanSides = 0.0f;      ///< Sides of its volumes, on average over all directions of light; as built.
         float meanSideLength = 0.0f; ///< And the lengths of their edges together, object space.
+        float meanArea = 0.0f; ///< Of its faces as a light sees them, hidden ones too, on average over directions.
     };
 
     std::vector<Edge> edges; ///< In the order of clusters, and `uses` in that of edges.

@@ -8,6 +8,7 @@
 
 #include "runtime/cost/exponent.hpp"
 #include "runtime/scene/light_pixels.hpp"
+#include "runtime/scene/shadow_pixels.hpp"
 
 namespace gnomon {
 
@@ -162,9 +163,44 @@ float nearnessOf(const LightView& light, const ReceiverTile& tile)
     return std::min(glm::length(tile.box.center() - light.position()), light.constants.range) / toEye;
 }
 
-/// Reach::treeLevels of receivers that face the light, and Reach::penumbraPixels.
+/// What a caster does to receivers at the end of a way that meets its bounds, spread evenly over the shadow of these.
+struct Crossed {
+    float edges = 0.0f;  ///< Metres of outline a square metre.
+    float layers = 0.0f; ///< Faces that the way goes through.
+};
+
+/// @param entry of the way into the bounds: what is nearer to the light throws a larger shadow
+Crossed crossedBy(const LightView& light, const Caster& caster, const WayToLight& way, float entry)
+{
+    const glm::vec3 ray = glm::abs(1.0f / way.inverse), size = 2.0f * caster.bounds.halfExtent();
+    const float seen = (ray.x * size.y * size.z + ray.y * size.z * size.x + ray.z * size.x * size.y) /
+                       std::max(glm::length(ray), 1e-20f); // square metres of the bounds
+    const float spread = light.type == GN_LIGHT_TYPE_DIRECTIONAL ? 1.0f : std::max(1.0f - entry, 0.0f);
+    const Outline outline = outlineOf(caster);
+    return {outline.length * spread / std::max(seen, 1e-12f), outline.area / std::max(seen, 1e-12f)};
+}
+
+/// All that a way meets, as a Boolean model has it (D. Stoyan, W. S. Kendall, J. Mecke, "Stochastic Geometry and its
+/// Applications", 1995): an outline is seen where nothing else hides it.
+struct WayShadows {
+    Crossed sum;
+
+    void add(const Crossed& more)
+    {
+        sum.edges += more.edges;
+        sum.layers += more.layers;
+    }
+    /// @param each one caster of so many was asked
+    float edges(float each) const
+    {
+        constexpr float kLog2E = 1.44269504f;
+        return each * sum.edges * static_cast<float>(cost::exp2Exactly(double{-kLog2E * each * sum.layers}));
+    }
+};
+
+/// Reach::treeLevels of receivers that face the light, Reach::penumbraPixels and Reach::outlines.
 struct Met {
-    float levels = 0.0f, penumbraPixels = 0.0f;
+    float levels = 0.0f, penumbraPixels = 0.0f, outlines = 0.0f;
 };
 
 Met metByWays(const CameraView& view, const LightView& light, std::span<const Caster* const> casters,
@@ -179,6 +215,7 @@ Met metByWays(const CameraView& view, const LightView& light, std::span<const Ca
     constexpr float kNone = std::numeric_limits<float>::max();
     std::array<WayToLight, TileSample::kMost> ways;
     std::array<float, TileSample::kMost> nearest; // of what may cast on the receiver, in terms of the way
+    std::array<WayShadows, TileSample::kMost> shadows;
     std::size_t count = 0;
     const auto distanceTo = [&](glm::vec3 place) {
         return gpu::isOrthographic(view.constants) ? orthographicDistance(view) : glm::length(place - view.eye);
@@ -194,6 +231,7 @@ Met metByWays(const CameraView& view, const LightView& light, std::span<const Ca
             const WayToLight::Inside box = ways[way].inside(casters[c]->bounds);
             if (box.after < box.before) continue;
             ++met;
+            shadows[way].add(crossedBy(light, *casters[c], ways[way], box.before));
             // Within the bounds, what casts is somewhere up to their end; where that is near the receiver lies on it.
             const float entry = box.before > 0.0f ? box.before : 0.5f * box.after;
             if (entry > ways[way].own) nearest[way] = std::min(nearest[way], entry);
@@ -202,13 +240,18 @@ Met metByWays(const CameraView& view, const LightView& light, std::span<const Ca
         if (met > 0) sum.levels += static_cast<float>(met) * static_cast<float>(cost::log2Exactly(1.0 + triangles));
     }
     sum.levels *= static_cast<float>(stepCasters) / static_cast<float>(count);
+    const auto pixelAt = [&](const WayToLight& way) { // metres across
+        return pixelAngleOf(view) * std::max(distanceTo(way.from), 1e-3f);
+    };
+    for (std::size_t way = 0; way < count; ++way)
+        sum.outlines += std::min(shadows[way].edges(static_cast<float>(stepCasters)) * pixelAt(ways[way]), 1.0f);
+    sum.outlines /= static_cast<float>(count);
     if (!(light.constants.sourceRadius > 0.0f)) return sum;
     std::uint32_t shadowed = 0;
     for (std::size_t way = 0; way < count; ++way) {
         if (nearest[way] == kNone) continue;
         ++shadowed;
-        const float pixel = pixelAngleOf(view) * std::max(distanceTo(ways[way].from), 1e-3f); // metres
-        sum.penumbraPixels += penumbraWidth(light, nearest[way]) / pixel;
+        sum.penumbraPixels += penumbraWidth(light, nearest[way]) / pixelAt(ways[way]);
     }
     if (shadowed > 0) sum.penumbraPixels /= static_cast<float>(shadowed);
     return sum;
@@ -278,6 +321,7 @@ Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, 
     const Met met = metByWays(view, light, casters, sample.tiles());
     reach.treeLevels = facingShare(view, light, sample.tiles()) * met.levels;
     reach.penumbraPixels = met.penumbraPixels;
+    reach.outlines = met.outlines;
     return reach;
 }
 

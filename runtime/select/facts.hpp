@@ -79,6 +79,9 @@ struct Reach {
     /// Pixels across the penumbra of a source with a radius: the mean over receivers whose way to the light meets the
     /// bounds of a caster, the nearest one taken for what casts.
     float penumbraPixels = 0.0f;
+    /// Pixels of shadows' outlines a pixel of these receivers: of every caster whose bounds a way to the light meets, a
+    /// pixel at most. What a map shows wrongly lies along them.
+    float outlines = 0.0f;
 };
 
 /// Pixels, in percent of those that the light falls on, where a hard edge in place of a penumbra is off by more than a

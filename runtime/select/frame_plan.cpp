@@ -96,6 +96,12 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
 /// each implies is 0.58 for one map and 0.37 for six faces, and errors grow as the width to the power of 1.1 and 0.7.
 constexpr double kUsualTexelPixels = 0.45;
 
+/// Reach::outlines for which the knowledge's wrong percents hold: of 51 pairs of a light and shadow_map, cube_map or
+/// cascades, in 12 scenes at 640x360, each implies 0.02 to 0.3, and the median 0.08. The errors of cube_map and
+/// cascades differ by 2.5 and 2.9 octaves from what texels alone predict, and by 1.6 and 2.1 with outlines (root mean
+/// square).
+constexpr double kUsualOutlines = 0.08;
+
 plan::Eligibility eligibilityOf(Exclusion exclusion)
 {
     if (exclusion == Exclusion::none) return plan::Eligibility::eligible;
@@ -275,6 +281,7 @@ float FramePlan::quality(std::uint32_t method, std::uint32_t side, const Coarsen
 {
     double wrong = double{wrong_[rungOf(side) * methods_.size() + method]};
     if (methods_[method].coarsens()) wrong *= light.texels;
+    if (!methods_[method].isExact()) wrong *= light.outlines;
     if (!methods_[method].isSoft()) wrong += light.hardEdges;
     return static_cast<float>(1.0 / (1.0 + wrong));
 }
@@ -326,6 +333,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
         Coarseness coarseness;
         if (memory.measured) {
             coarseness.texels = double{memory.texelPixels} / kUsualTexelPixels;
+            coarseness.outlines = std::max(double{memory.outlines.get()} / kUsualOutlines, 1.0);
             if (memory.workload.softPixels > 0.0)
                 coarseness.hardEdges = penumbraPercent(double{memory.penumbraPixels.get()}, request.height);
         }

@@ -136,6 +136,7 @@ struct LightMemory {
     MedianOfFive share;
     MedianOfFive treeLevels;       ///< Reach::treeLevels; valid if `measured`.
     MedianOfFive penumbraPixels;   ///< Reach::penumbraPixels; likewise.
+    MedianOfFive outlines;         ///< Reach::outlines; likewise.
     MethodArray<float> measuredMs; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;

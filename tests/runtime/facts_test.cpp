@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/scene/topology.hpp"
 #include "runtime/select/facts.hpp"
 #include "runtime/select/shared_parts.hpp"
 
@@ -106,6 +107,38 @@ TEST_CASE("how near receivers are to the light, for the eye's distance, is known
     CHECK(uneven.nearness == doctest::Approx(1.0));
     CHECK(uneven.meanNearness == doctest::Approx(0.1 + 0.9 / 1369.0));
     CHECK(measureReach(camera(), {}, 1600, ahead, {}).meanNearness == 0.0f);
+}
+
+TEST_CASE("outlines of shadows are as dense as those of the casters, less what other faces hide")
+{
+    const std::vector<ReceiverTile> rough = wall(0.0f);
+    Topology topology;
+    Box screen({glm::vec3(-99.0f, -99.0f, -6.5f), glm::vec3(99.0f, 99.0f, -6.0f)}, 3);
+    screen.mesh.topology = &topology;
+    const float side = 198.0f * 198.0f; // square metres of its bounds, across the wall's normal
+    const auto outlines = [&](const LightView& light, float edges, float layers, std::size_t times = 1) {
+        topology.whole.meanSideLength = edges * side; // so many metres a square metre
+        topology.whole.meanArea = layers * side;
+        const std::vector<const Caster*> casters(times, &screen.caster);
+        return double{measureReach(camera(), rough, 1600, light, casters).outlines};
+    };
+    const LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
+    CHECK(measureReach(camera(), rough, 1600, ahead, {}).outlines == 0.0f);
+    // A pixel is a centimetre there, 3 % more on the mean.
+    CHECK(outlines(ahead, 5.0f, 0.0f) == doctest::Approx(0.05).epsilon(0.05));
+    CHECK(outlines(ahead, 5.0f, 0.0f, 3) == doctest::Approx(0.15).epsilon(0.05));
+    CHECK(outlines(ahead, 5.0f, 0.6931f) == doctest::Approx(0.025).epsilon(0.05)); // half of the light goes through
+    CHECK(outlines(ahead, 5.0f, 0.6931f, 3) == doctest::Approx(0.15 / 8.0).epsilon(0.05));
+    CHECK(outlines(ahead, 5000.0f, 0.0f) == doctest::Approx(1.0));        // a pixel shows one at most
+    CHECK(outlines(sun(glm::vec3(0.0f, 0.0f, 1.0f)), 5.0f, 0.0f) == 0.0); // on the other side
+
+    LightView lamp{};
+    lamp.type = GN_LIGHT_TYPE_POINT;
+    lamp.constants.positionWs = glm::vec4(0.0f, 0.0f, -3.0f, 1.0f);
+    lamp.constants.directionWs = {0.0f, 0.0f, -1.0f, -2.0f};
+    lamp.constants.range = 100.0f;
+    // Halfway to the lamp: twice as large a shadow. Ways that lean by 25 degrees meet more of the bounds' sides.
+    CHECK(outlines(lamp, 5.0f, 0.0f) == doctest::Approx(0.025).epsilon(0.15));
 }
 
 TEST_CASE("the penumbra is as wide as similar triangles say, in pixels, of what is nearest and holds no receiver")

@@ -284,7 +284,7 @@ TEST_CASE("faces that collapse when corners are welded use no edge")
     checkUses(topology);
 }
 
-TEST_CASE("the mean number of sides is what random directions of light find")
+TEST_CASE("the mean number of sides, and the mean area, are what random directions of light find")
 {
     Mesh holed = torus(24, 12);
     holed.remove(7);
@@ -295,9 +295,13 @@ TEST_CASE("the mean number of sides is what random directions of light find")
     for (const Mesh& mesh : {cube(), torus(24, 12), holed, flipped}) {
         const Topology topology = mesh.topology();
         constexpr int kDirections = 20000;
-        double found = 0.0, length = 0.0;
+        double found = 0.0, length = 0.0, area = 0.0;
         for (int i = 0; i < kDirections; ++i) {
             const glm::vec4 light(normal(random), normal(random), normal(random), 0.0f);
+            for (std::size_t face = 0; face < topology.facePlanes.size(); ++face) {
+                const float along = glm::dot(topology.facePlanes[face], light) / (2.0f * glm::length(light));
+                area += double{topology.closed ? std::max(along, 0.0f) : std::abs(along)};
+            }
             for (const Topology::Edge& edge : topology.edges) {
                 double sum = 0.0; // signed multiplicity
                 for (std::uint32_t use = edge.firstUse; use < edge.firstUse + edge.useCount; ++use) {
@@ -312,9 +316,11 @@ TEST_CASE("the mean number of sides is what random directions of light find")
         }
         CHECK(double(topology.whole.meanSides) == doctest::Approx(found / kDirections).epsilon(0.01));
         CHECK(double(topology.whole.meanSideLength) == doctest::Approx(length / kDirections).epsilon(0.01));
+        CHECK(double(topology.whole.meanArea) == doctest::Approx(area / kDirections).epsilon(0.01));
     }
     CHECK(cube().topology().whole.meanSides == doctest::Approx(6.0)); // twelve edges at right angles, half of them seen
     CHECK(cube().topology().whole.meanSideLength == doctest::Approx(12.0)); // two metres each
+    CHECK(cube().topology().whole.meanArea == doctest::Approx(6.0));        // a quarter of its surface
 }
 
 TEST_CASE("nothing is a topology too")
