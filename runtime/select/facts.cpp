@@ -170,14 +170,15 @@ struct Crossed {
 };
 
 /// @param entry of the way into the bounds: what is nearer to the light throws a larger shadow
-Crossed crossedBy(const LightView& light, const Caster& caster, const WayToLight& way, float entry)
+Crossed crossedBy(const LightView& light, const Aabb& bounds, const Outline& outline, const WayToLight& way,
+                  float entry)
 {
-    const glm::vec3 ray = glm::abs(1.0f / way.inverse), size = 2.0f * caster.bounds.halfExtent();
+    const glm::vec3 ray = glm::abs(1.0f / way.inverse), size = 2.0f * bounds.halfExtent();
     const float seen = (ray.x * size.y * size.z + ray.y * size.z * size.x + ray.z * size.x * size.y) /
                        std::max(glm::length(ray), 1e-20f); // square metres of the bounds
     const float spread = light.type == GN_LIGHT_TYPE_DIRECTIONAL ? 1.0f : std::max(1.0f - entry, 0.0f);
-    const Outline outline = outlineOf(caster);
-    return {outline.length * spread / std::max(seen, 1e-12f), outline.area / std::max(seen, 1e-12f)};
+    const Crossed crossed{outline.length * spread / std::max(seen, 1e-12f), outline.area / std::max(seen, 1e-12f)};
+    return std::isfinite(crossed.edges) && std::isfinite(crossed.layers) ? crossed : Crossed{}; // bounds without end
 }
 
 /// All that a way meets, as a Boolean model has it (D. Stoyan, W. S. Kendall, J. Mecke, "Stochastic Geometry and its
@@ -226,12 +227,13 @@ Met metByWays(const CameraView& view, const LightView& light, std::span<const Ca
     }
     Met sum;
     for (std::size_t c = 0; c < casters.size(); c += stepCasters) {
+        const Outline outline = outlineOf(*casters[c]);
         std::uint32_t met = 0;
         for (std::size_t way = 0; way < count; ++way) {
             const WayToLight::Inside box = ways[way].inside(casters[c]->bounds);
             if (box.after < box.before) continue;
             ++met;
-            shadows[way].add(crossedBy(light, *casters[c], ways[way], box.before));
+            shadows[way].add(crossedBy(light, casters[c]->bounds, outline, ways[way], box.before));
             // Within the bounds, what casts is somewhere up to their end; where that is near the receiver lies on it.
             const float entry = box.before > 0.0f ? box.before : 0.5f * box.after;
             if (entry > ways[way].own) nearest[way] = std::min(nearest[way], entry);
@@ -244,7 +246,7 @@ Met metByWays(const CameraView& view, const LightView& light, std::span<const Ca
         return pixelAngleOf(view) * std::max(distanceTo(way.from), 1e-3f);
     };
     for (std::size_t way = 0; way < count; ++way)
-        sum.outlines += std::min(shadows[way].edges(static_cast<float>(stepCasters)) * pixelAt(ways[way]), 1.0f);
+        sum.outlines += std::min(1.0f, shadows[way].edges(static_cast<float>(stepCasters)) * pixelAt(ways[way]));
     sum.outlines /= static_cast<float>(count);
     if (!(light.constants.sourceRadius > 0.0f)) return sum;
     std::uint32_t shadowed = 0;

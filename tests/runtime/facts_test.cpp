@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -131,6 +132,11 @@ TEST_CASE("outlines of shadows are as dense as those of the casters, less what o
     CHECK(outlines(ahead, 5.0f, 0.6931f, 3) == doctest::Approx(0.15 / 8.0).epsilon(0.05));
     CHECK(outlines(ahead, 5000.0f, 0.0f) == doctest::Approx(1.0));        // a pixel shows one at most
     CHECK(outlines(sun(glm::vec3(0.0f, 0.0f, 1.0f)), 5.0f, 0.0f) == 0.0); // on the other side
+    const Aabb bounds = screen.caster.bounds;
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    screen.caster.bounds = {glm::vec3(-kInfinity, 0.0f, -6.0f), glm::vec3(kInfinity, 0.0f, kInfinity)};
+    CHECK(std::isfinite(outlines(ahead, 5.0f, 0.0f)));
+    screen.caster.bounds = bounds;
 
     LightView lamp{};
     lamp.type = GN_LIGHT_TYPE_POINT;
