@@ -120,6 +120,8 @@ private:
             numbers_[i] = *number;
         }
         if (cell(algorithm).empty()) return reject("no algorithm");
+        if (const std::string& of = cell(kind); of != "software" && of != "integrated" && of != "discrete")
+            return reject("kind '" + of + "' is none of software, integrated and discrete");
         const std::string_view name = cell(pass);
         if (name == "update" || name == "resolve") return readTrack(name == "update" ? Pass::update : Pass::resolve);
         if (name == "method") {

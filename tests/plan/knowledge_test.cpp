@@ -111,6 +111,8 @@ TEST_CASE("a damaged knowledge base is an error that names the first damaged row
            "line 3: pass 'cook' is none of update, resolve, method and view:NAME"},
           {"d,v,software,shadow_map,view:,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n",
            "line 3: pass 'view:' is none of update, resolve, method and view:NAME"},
+          {"d,v,toaster,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n",
+           "line 3: kind 'toaster' is none of software, integrated and discrete"},
           {"d,v\n", "line 3: not as many cells as columns"},
           {"\"\n", "line 3: an open quote"}}) {
         const KnowledgeResult result = parseKnowledge(head + bad + good + good + bad);
