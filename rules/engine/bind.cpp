@@ -57,7 +57,7 @@ private:
     void compileConcept(const Concept& concept_)
     {
         if (outputs_.contains(concept_.name) || knownOutputs_.contains(concept_.name))
-            sink_.error("L01", concept_.at, quoted(concept_.name) + " is an output already, it cannot be a concept");
+            sink_.error("L01", concept_.at, inQuotes(concept_.name) + " is an output already, it cannot be a concept");
         CompiledConcept made;
         made.firstMembership = made_.membershipCount;
         made.termCount = static_cast<uint32_t>(concept_.terms.size());
@@ -128,13 +128,13 @@ private:
             for (const FactInfo& known_ : vocabulary_.facts)
                 known.push_back(known_.name);
             sink_.error("L01", variable.at,
-                        "no fact is called " + quoted(variable.name) + suggestion(variable.name, known));
+                        "no fact is called " + inQuotes(variable.name) + suggestion(variable.name, known));
         } else {
             made.fact = static_cast<uint32_t>(fact - vocabulary_.facts.begin());
             if (!variable.unit.empty() && !fact->unit.empty() && variable.unit != fact->unit)
                 sink_.error("L01", variable.at,
-                            quoted(variable.name) + " is in " + quoted(fact->unit) + ", not in " +
-                                quoted(variable.unit));
+                            inQuotes(variable.name) + " is in " + inQuotes(fact->unit) + ", not in " +
+                                inQuotes(variable.unit));
         }
         made.firstTerm = static_cast<uint32_t>(made_.terms.size());
         made.termCount = static_cast<uint32_t>(variable.terms.size());
@@ -246,7 +246,7 @@ private:
                 targets.push_back(found->second);
             else if (!knownOutputs_.contains(consequent.name))
                 sink_.error("L01", consequent.nameAt,
-                            "unknown output " + quoted(consequent.name) + outputHint(consequent.name));
+                            "unknown output " + inQuotes(consequent.name) + outputHint(consequent.name));
             return targets;
         }
         for (uint32_t i = 0; i < made_.outputCount; ++i) {
@@ -255,7 +255,8 @@ private:
         }
         if (targets.empty() && !knownTraits_.contains(consequent.name))
             sink_.error("L01", consequent.nameAt,
-                        "unknown trait " + quoted(consequent.name) + suggestion(consequent.name, sorted(knownTraits_)));
+                        "unknown trait " + inQuotes(consequent.name) +
+                            suggestion(consequent.name, sorted(knownTraits_)));
         return targets;
     }
 

@@ -79,8 +79,8 @@ private:
             way += base_.concepts[*at].name + " <- ";
         const std::string& name = base_.concepts[closing.on].name;
         sink_.error("R08", closing.at,
-                    "concept " + quoted(name) + " is concluded from itself: " + way + name + ", closed by rule " +
-                        quoted(base_.rules[closing.rule].id) + "; take " + quoted(base_.concepts[closing.on].name) +
+                    "concept " + inQuotes(name) + " is concluded from itself: " + way + name + ", closed by rule " +
+                        inQuotes(base_.rules[closing.rule].id) + "; take " + inQuotes(base_.concepts[closing.on].name) +
                         " out of that rule's condition");
         return false;
     }

@@ -4,7 +4,7 @@
 
 namespace gnomon::rules {
 
-std::string quoted(std::string_view text)
+std::string inQuotes(std::string_view text)
 {
     std::string result(1, '\'');
     result += text;
@@ -50,7 +50,7 @@ std::string suggestion(std::string_view name, std::span<const std::string_view> 
         if (edits < least) best = candidate, least = edits;
     }
     std::string text;
-    if (!best.empty()) text += "; did you mean " + quoted(best) + "?";
+    if (!best.empty()) text += "; did you mean " + inQuotes(best) + "?";
     if (known.empty() || (known.size() > kShortList && !best.empty())) return text;
     text += best.empty() ? "; known:" : " Known:";
     for (const std::string_view candidate : known) {

@@ -33,8 +33,8 @@ struct Diagnostic {
     std::string message;
 };
 
-/// 'text', as names appear in messages.
-std::string quoted(std::string_view text);
+/// 'text', as names appear in messages. Not called quoted(), which would find std::quoted() for a std::string.
+std::string inQuotes(std::string_view text);
 
 /// What to say behind an unknown name: "; did you mean 'near'?" where one of those there are differs by a slip of the
 /// hand (a letter added, left out, changed, or two swapped; in long names two of them), and a list of them where it is

@@ -199,7 +199,7 @@ void checkContradictions(const Engine& engine, DiagnosticSink& sink)
             const double height = std::min(weight, heights.together(*forms[first], *forms[second]));
             if (height < kContradiction) continue;
             found.warning(engine.base().rules[second].at, [&] {
-                return "rules " + quoted(engine.ruleId(first)) + " and " + quoted(engine.ruleId(second)) +
+                return "rules " + inQuotes(engine.ruleId(first)) + " and " + inQuotes(engine.ruleId(second)) +
                        " favour and avoid " + names + " at once, with strength " + fixedText(height, 2) +
                        "; give the exception a priority";
             });

@@ -78,7 +78,7 @@ void checkMonotony(const Engine& engine, DiagnosticSink& sink)
                 const int32_t wrong = promise.raises ? now - extreme : extreme - now;
                 if (extreme >= 0 && wrong > tolerance) {
                     sink.warning("L09", promise.variableAt,
-                                 quoted(promise.sentence) + " does not hold: " + engine.outputs()[output].name +
+                                 inQuotes(promise.sentence) + " does not hold: " + engine.outputs()[output].name +
                                      " goes from " + suitabilityText(all, output, extremeAt) + " to " +
                                      suitabilityText(all, output, i) + " between " + promise.variable + " = " +
                                      shortestText(stops[extremeAt]) + " and " + shortestText(stops[i]) + " where " +

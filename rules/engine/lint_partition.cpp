@@ -117,7 +117,7 @@ bool isInPercent(const Variable& variable, DiagnosticSink& sink)
         for (const double corner : {term.shape.a, term.shape.b, term.shape.c, term.shape.d}) {
             if (!std::isfinite(corner) || corner <= variable.high) continue;
             sink.warning("L06", term.at,
-                         quoted(term.name) + " of " + quoted(variable.name) + " has a corner at " +
+                         inQuotes(term.name) + " of " + inQuotes(variable.name) + " has a corner at " +
                              shortestText(corner) + ", but a share goes from 0 to 1: for " + shortestText(corner) +
                              " % write " + shortestText(corner / kHundred));
             return true;
@@ -130,7 +130,7 @@ void checkTerms(const Variable& variable, const std::vector<double>& xs, Diagnos
     std::optional<double> previous;
     for (const Term& term : variable.terms) {
         const Trapezoid& t = term.shape;
-        const std::string name = quoted(term.name) + " of " + quoted(variable.name);
+        const std::string name = inQuotes(term.name) + " of " + inQuotes(variable.name);
         if (std::none_of(xs.begin(), xs.end(), [&](double x) { return t.membership(x) > 0.0; }))
             sink.warning("L06", term.at, name + " contains no value of the universe");
         for (const double edge : {variable.low, variable.high}) {
@@ -156,11 +156,11 @@ std::string mendOf(const Variable& variable, double x)
         if (!behind && term.shape.b >= x) behind = &term;
     }
     if (!before && !behind) return "; add a term there";
-    if (!before || !behind) return "; let " + quoted((before ? before : behind)->name) + " reach it";
+    if (!before || !behind) return "; let " + inQuotes((before ? before : behind)->name) + " reach it";
     const Trapezoid& falls = before->shape;
     const std::string flank =
         falls.c < falls.d ? ", from " + shortestText(falls.c) + " to " + shortestText(falls.d) : "";
-    return "; let " + quoted(behind->name) + " rise where " + quoted(before->name) + " falls" + flank;
+    return "; let " + inQuotes(behind->name) + " rise where " + inQuotes(before->name) + " falls" + flank;
 }
 
 void checkVariable(const Variable& variable, DiagnosticSink& sink)
@@ -172,13 +172,13 @@ void checkVariable(const Variable& variable, DiagnosticSink& sink)
     checkTerms(variable, xs, sink);
     if (const Lowest lowest = lowestCoverage(variable); lowest.value < kHole - kRounding)
         sink.warning("L06", variable.at,
-                     "the terms of " + quoted(variable.name) + " leave a hole at " + shortestText(lowest.x) +
+                     "the terms of " + inQuotes(variable.name) + " leave a hole at " + shortestText(lowest.x) +
                          ": the best membership there is " + fixedText(std::max(0.0, lowest.value), 2) +
                          mendOf(variable, lowest.x));
     const auto crowded = std::find_if(xs.begin(), xs.end(), [&](double x) { return termsAt(variable, x) > 2; });
     if (crowded != xs.end())
         sink.warning("L06", variable.at,
-                     "more than two terms of " + quoted(variable.name) + " overlap at " + shortestText(*crowded));
+                     "more than two terms of " + inQuotes(variable.name) + " overlap at " + shortestText(*crowded));
 }
 
 } // namespace

@@ -87,7 +87,7 @@ void checkWinners(const Engine& engine, const SamplePoints& points, const Opinio
     for (std::size_t o = 0; o < wins.size(); ++o) {
         if (favouring[o] && !wins[o])
             sink.warning("L07", favouring[o]->at,
-                         engine.outputs()[o].name + " never wins, though rule " + quoted(favouring[o]->id) +
+                         engine.outputs()[o].name + " never wins, though rule " + inQuotes(favouring[o]->id) +
                              " favours it");
     }
 }

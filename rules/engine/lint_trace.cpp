@@ -78,7 +78,7 @@ std::vector<Diagnostic> lintTrace(const Engine& engine, const FactTrace& trace)
         const auto first =
             trace.frames.empty() ? static_cast<uint32_t>(row) : trace.frames[static_cast<std::size_t>(row)];
         sink.warning("L08", engine.base().variables[v].at,
-                     "noise of " + shortestText(noise) + " in " + quoted(engine.base().variables[v].name) +
+                     "noise of " + shortestText(noise) + " in " + inQuotes(engine.base().variables[v].name) +
                          " overturns the decision in " +
                          fixedText(100.0 * static_cast<double>(count) / points.count, 1) +
                          " % of the trace, first in frame " + std::to_string(first));

@@ -47,22 +47,22 @@ std::string cornerFault(const Trapezoid& shape, double width)
 
 void checkVariable(const Variable& variable, DiagnosticSink& sink)
 {
-    if (!isName(variable.name)) sink.error("R05", variable.at, quoted(variable.name) + " cannot be a name");
+    if (!isName(variable.name)) sink.error("R05", variable.at, inQuotes(variable.name) + " cannot be a name");
     const double width = variable.high - variable.low;
     if (!inRange(variable.low) || !inRange(variable.high) || !(width >= 1e-9)) {
-        sink.error("R05", variable.at, "the universe of " + quoted(variable.name) + " must be two ascending numbers");
+        sink.error("R05", variable.at, "the universe of " + inQuotes(variable.name) + " must be two ascending numbers");
         return;
     }
     if (variable.terms.empty() || variable.terms.size() > kMaxTerms)
         sink.error("R05", variable.at,
-                   quoted(variable.name) + " needs between 1 and " + std::to_string(kMaxTerms) + " terms");
+                   inQuotes(variable.name) + " needs between 1 and " + std::to_string(kMaxTerms) + " terms");
     std::unordered_set<std::string_view> seen;
     for (const Term& term : variable.terms) {
-        if (!isName(term.name)) sink.error("R05", term.at, quoted(term.name) + " cannot be a name");
+        if (!isName(term.name)) sink.error("R05", term.at, inQuotes(term.name) + " cannot be a name");
         if (!seen.insert(term.name).second)
-            sink.error("R05", term.at, "term " + quoted(term.name) + " is defined twice");
+            sink.error("R05", term.at, "term " + inQuotes(term.name) + " is defined twice");
         if (const std::string fault = cornerFault(term.shape, width); !fault.empty())
-            sink.error("R05", term.at, "term " + quoted(term.name) + ": " + fault);
+            sink.error("R05", term.at, "term " + inQuotes(term.name) + ": " + fault);
     }
 }
 
@@ -78,26 +78,26 @@ void checkWidths(const Variable& suitability, DiagnosticSink& sink)
         } else if (shape.a >= suitability.low && shape.a <= suitability.high) {
             point = &term;
         } else {
-            sink.error("R05", term.at, "term " + quoted(term.name) + " lies outside the universe");
+            sink.error("R05", term.at, "term " + inQuotes(term.name) + " lies outside the universe");
         }
     }
     if (wide && point)
         sink.error("R05", point->at,
-                   "term " + quoted(point->name) + " of suitability has no width, so no weight beside the area of " +
-                       quoted(wide->name) + "; give all terms a width, or none");
+                   "term " + inQuotes(point->name) + " of suitability has no width, so no weight beside the area of " +
+                       inQuotes(wide->name) + "; give all terms a width, or none");
 }
 
 void checkConcept(const Concept& concept_, DiagnosticSink& sink)
 {
-    if (!isName(concept_.name)) sink.error("R05", concept_.at, quoted(concept_.name) + " cannot be a name");
+    if (!isName(concept_.name)) sink.error("R05", concept_.at, inQuotes(concept_.name) + " cannot be a name");
     if (concept_.terms.empty() || concept_.terms.size() > kMaxTerms)
         sink.error("R05", concept_.at,
-                   quoted(concept_.name) + " needs between 1 and " + std::to_string(kMaxTerms) + " terms");
+                   inQuotes(concept_.name) + " needs between 1 and " + std::to_string(kMaxTerms) + " terms");
     std::unordered_set<std::string_view> seen;
     for (const Concept::Word& word : concept_.terms) {
-        if (!isName(word.name)) sink.error("R05", word.at, quoted(word.name) + " cannot be a name");
+        if (!isName(word.name)) sink.error("R05", word.at, inQuotes(word.name) + " cannot be a name");
         if (!seen.insert(word.name).second)
-            sink.error("R05", word.at, "term " + quoted(word.name) + " is defined twice");
+            sink.error("R05", word.at, "term " + inQuotes(word.name) + " is defined twice");
     }
 }
 
@@ -124,7 +124,7 @@ public:
         std::vector<std::string_view> known;
         for (const auto& term : owner.terms)
             known.push_back(term.name);
-        add(quoted(owner.name) + " has no term " + quoted(name) + suggestion(name, known), at);
+        add(inQuotes(owner.name) + " has no term " + inQuotes(name) + suggestion(name, known), at);
     }
 
     void variable(std::string_view name, SourceSpot at, const Names& names)
@@ -135,7 +135,7 @@ public:
         for (const auto& [concept_, ignored] : names.concepts)
             known.push_back(concept_);
         std::sort(known.begin(), known.end()); // the map has no order
-        add("unknown variable " + quoted(name) + suggestion(name, known), at);
+        add("unknown variable " + inQuotes(name) + suggestion(name, known), at);
     }
 
     void report(DiagnosticSink& sink) const
@@ -236,13 +236,14 @@ void checkRule(const Rule& rule, bool isOtherwise, const RuleBase& base, const N
                DiagnosticSink& sink)
 {
     if (!isOtherwise && !isWellFormed(rule.antecedent))
-        sink.error("R06", rule.at, "the antecedent of rule " + quoted(rule.id) + " is not a postfix expression");
+        sink.error("R06", rule.at, "the antecedent of rule " + inQuotes(rule.id) + " is not a postfix expression");
     if (!(rule.weight > 0.0 && rule.weight <= 1.0))
-        sink.error("R05", rule.at, "the weight of rule " + quoted(rule.id) + " must be above 0 and at most 1");
+        sink.error("R05", rule.at, "the weight of rule " + inQuotes(rule.id) + " must be above 0 and at most 1");
     if (rule.priority > kHighestPriority)
         sink.error("R05", rule.at,
-                   "the priority of rule " + quoted(rule.id) + " must be at most " + std::to_string(kHighestPriority));
-    if (rule.consequents.empty()) sink.error("R06", rule.at, "rule " + quoted(rule.id) + " concludes nothing");
+                   "the priority of rule " + inQuotes(rule.id) + " must be at most " +
+                       std::to_string(kHighestPriority));
+    if (rule.consequents.empty()) sink.error("R06", rule.at, "rule " + inQuotes(rule.id) + " concludes nothing");
     checkAntecedent(rule.antecedent, names, unknown);
     checkConsequents(rule, isOtherwise, base, names, unknown, sink);
 }
@@ -279,19 +280,19 @@ bool validate(const RuleBase& base, DiagnosticSink& sink)
     for (const Variable& variable : base.variables) {
         checkVariable(variable, sink);
         if (!names.variables.emplace(variable.name, &variable).second)
-            sink.error("R05", variable.at, "variable " + quoted(variable.name) + " is defined twice");
+            sink.error("R05", variable.at, "variable " + inQuotes(variable.name) + " is defined twice");
     }
     for (const Concept& concept_ : base.concepts) {
         checkConcept(concept_, sink);
         if (names.variables.contains(concept_.name) || !names.concepts.emplace(concept_.name, &concept_).second)
-            sink.error("R05", concept_.at, "two variables or concepts are called " + quoted(concept_.name));
+            sink.error("R05", concept_.at, "two variables or concepts are called " + inQuotes(concept_.name));
     }
     checkVariable(base.suitability, sink);
     checkWidths(base.suitability, sink);
     std::unordered_set<std::string_view> ids;
     UnknownNames unknown;
     for (const Rule& rule : base.rules) {
-        if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + quoted(rule.id));
+        if (!ids.insert(rule.id).second) sink.error("R05", rule.at, "two rules are called " + inQuotes(rule.id));
         checkId(rule, sink);
         checkRule(rule, false, base, names, unknown, sink);
     }

@@ -115,7 +115,7 @@ private:
 
     bool fail(const Token& token, std::string_view what)
     {
-        std::string found = token.kind == Token::Kind::End ? "the end" : quoted(token.text);
+        std::string found = token.kind == Token::Kind::End ? "the end" : inQuotes(token.text);
         sink_.error("R06", spot(token), std::string(what) + ", found " + found);
         return false;
     }
@@ -129,13 +129,13 @@ private:
         if (token.kind != Token::Kind::Bad || comparisons.find(token.text.front()) == std::string_view::npos)
             return fail(token, "expected 'is'");
         return fail(token, "rules compare no numbers: write '" + variable + " is TERM' and say in the terms of " +
-                               quoted(variable) + " from which number to which it holds; expected 'is'");
+                               inQuotes(variable) + " from which number to which it holds; expected 'is'");
     }
     /// One of two words that are reserved nowhere else.
     bool either(std::string_view yes, std::string_view no, bool& out)
     {
         out = peek().text == yes;
-        if (!out && peek().text != no) return fail(peek(), "expected " + quoted(yes) + " or " + quoted(no));
+        if (!out && peek().text != no) return fail(peek(), "expected " + inQuotes(yes) + " or " + inQuotes(no));
         ++next_;
         return true;
     }

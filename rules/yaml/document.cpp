@@ -311,11 +311,11 @@ std::string foundText(const Node& node)
 {
     constexpr std::size_t kMost = 40; // bytes; a line of a message shows them
     if (node.kind != Node::Kind::Scalar) return ", found " + std::string(kindText(node));
-    if (node.text.size() <= kMost) return ", found " + rules::quoted(node.text);
+    if (node.text.size() <= kMost) return ", found " + rules::inQuotes(node.text);
     std::size_t end = kMost;
     while (end > 0 && (static_cast<unsigned char>(node.text[end]) & 0xc0u) == 0x80u) // within a character
         --end;
-    return ", found " + rules::quoted(node.text.substr(0, end) + "...");
+    return ", found " + rules::inQuotes(node.text.substr(0, end) + "...");
 }
 
 MapReader::MapReader(const Node& node, const Shape& shape, std::string_view what, DiagnosticSink& sink)
@@ -328,7 +328,7 @@ MapReader::MapReader(const Node& node, const Shape& shape, std::string_view what
     }
     for (const Key& key : shape.allKeys())
         if (key.isRequired && !node.find(key.name))
-            sink.error("R04", node.at, name + " needs a key " + rules::quoted(key.name));
+            sink.error("R04", node.at, name + " needs a key " + rules::inQuotes(key.name));
     for (const Entry& entry : node.entries) {
         if (std::ranges::find(shape.allKeys(), entry.key, &Key::name) != shape.allKeys().end()) continue;
         std::vector<std::string_view> known;
@@ -349,7 +349,7 @@ void MapReader::text(std::string_view key, std::string& out)
     if (found && found->kind == Node::Kind::Scalar)
         out = found->text;
     else if (found)
-        sink_.error("R04", found->at, rules::quoted(key) + " must be a text, found " + std::string(kindText(*found)));
+        sink_.error("R04", found->at, rules::inQuotes(key) + " must be a text, found " + std::string(kindText(*found)));
 }
 
 void MapReader::number(std::string_view key, double& out)
@@ -362,7 +362,7 @@ void MapReader::number(std::string_view key, double& out)
         out = *value;
     else
         sink_.error("R05", found->at,
-                    rules::quoted(key) + " must be a number from " + shortestText(range.low) + " to " +
+                    rules::inQuotes(key) + " must be a number from " + shortestText(range.low) + " to " +
                         shortestText(range.high) + foundText(*found));
 }
 
@@ -376,7 +376,7 @@ void MapReader::count(std::string_view key, uint32_t& out)
         out = static_cast<uint32_t>(value);
     else
         sink_.error("R05", node_.find(key)->at,
-                    rules::quoted(key) + " must be a whole number" + foundText(*node_.find(key)));
+                    rules::inQuotes(key) + " must be a whole number" + foundText(*node_.find(key)));
 }
 
 std::size_t MapReader::word(std::string_view key, std::size_t unchanged)
@@ -388,7 +388,7 @@ std::size_t MapReader::word(std::string_view key, std::size_t unchanged)
     const std::span<const std::string_view> words = shape_.at(key).shape->words;
     const auto found = std::ranges::find(words, written);
     if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
-    std::string message = rules::quoted(key) + " must be one of";
+    std::string message = rules::inQuotes(key) + " must be one of";
     for (const std::string_view choice : words)
         message.append(" ").append(choice);
     sink_.error("R05", node->at, message + foundText(*node));

@@ -60,16 +60,16 @@ void leaveOut(Node& rules, const Node& without, DiagnosticSink& sink)
         for (const Node& rule : rules.items)
             known.push_back(idOf(rule));
         sink.error("R05", id.at,
-                   "'without' names no rule of the base: " + quoted(id.text) + suggestion(id.text, known));
+                   "'without' names no rule of the base: " + inQuotes(id.text) + suggestion(id.text, known));
     }
 }
 
 Preset readPreset(const Entry& entry, DiagnosticSink& sink)
 {
     Preset preset{entry.key, {}, entry.keyAt};
-    if (!isName(entry.key)) sink.error("R05", entry.keyAt, quoted(entry.key) + " cannot name a preset");
+    if (!isName(entry.key)) sink.error("R05", entry.keyAt, inQuotes(entry.key) + " cannot name a preset");
     // Options, variables and policy are read with the base.
-    yaml::MapReader map(entry.value, shapes::kPreset, "preset " + quoted(entry.key), sink);
+    yaml::MapReader map(entry.value, shapes::kPreset, "preset " + inQuotes(entry.key), sink);
     map.text("about", preset.about);
     if (const Node* rules = map.find("rules"); rules && rules->kind != Node::Kind::Sequence)
         sink.error("R04", rules->at, "'rules' must be a list, found " + std::string(kindText(*rules)));
@@ -128,14 +128,14 @@ void addNew(std::vector<Diagnostic>& findings, std::vector<Diagnostic> more, std
                        (other.line != 0 || other.message == finding.message);
             });
         if (known) continue;
-        finding.message += " (with preset " + quoted(preset) + ")";
+        finding.message += " (with preset " + inQuotes(preset) + ")";
         findings.push_back(std::move(finding));
     }
 }
 
 std::string noPreset(std::string_view name, const RuleBase& base)
 {
-    std::string message = "there is no preset " + quoted(name);
+    std::string message = "there is no preset " + inQuotes(name);
     if (base.presets.empty()) return message + ": the rule base has none";
     std::vector<std::string_view> known;
     for (const Preset& preset : base.presets)

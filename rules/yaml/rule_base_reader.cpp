@@ -99,7 +99,7 @@ private:
     {
         variable.name = name;
         variable.at = at;
-        MapReader map(node, shapes::kVariable, "variable " + quoted(name), sink_);
+        MapReader map(node, shapes::kVariable, "variable " + inQuotes(name), sink_);
         if (const Node* universe = map.find("universe")) {
             std::array<double, 2> ends = {};
             if (readNumbers(*universe, "a universe", ends)) {
@@ -162,7 +162,7 @@ private:
             if (!value) {
                 sink_.error("R05", node.items[i].at,
                             "not a number: " + (node.items[i].text.empty() ? std::string(kindText(node.items[i]))
-                                                                           : quoted(node.items[i].text)));
+                                                                           : inQuotes(node.items[i].text)));
                 return false;
             }
             out[i] = *value;
@@ -257,7 +257,7 @@ private:
     {
         const auto report = [this](const yaml::Entry& entry) {
             sink_.warning("L11", entry.keyAt,
-                          quoted(entry.key) + " has no effect without 'allocation: budget': no plan is made");
+                          inQuotes(entry.key) + " has no effect without 'allocation: budget': no plan is made");
         };
         for (const yaml::Entry& part : policy.entries) {
             if (part.key != "hysteresis") {
