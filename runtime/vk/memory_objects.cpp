@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "runtime/vk/memory.hpp"
+#include "runtime/vk/structures.hpp"
 
 namespace gnomon {
 namespace {
@@ -247,8 +248,7 @@ Result<void> DeviceMemory::fillBuffer(GpuBuffer& buffer, VkBufferUsageFlags usag
 Result<GpuBuffer> DeviceMemory::createStructure(VkDeviceSize size, VkAccelerationStructureTypeKHR type,
                                                 const char* name)
 {
-    Result<GpuBuffer> made =
-        createBuffer(size, VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR, MemoryUse::device, name);
+    Result<GpuBuffer> made = createBuffer(size, kBuildResult, MemoryUse::device, name);
     if (!made) return made;
     Result<void> filled = fillStructure(*made, type, name);
     if (filled) return made;

@@ -10,6 +10,9 @@ inline constexpr VkBufferUsageFlags kBuildInput =
 /// And of what they work in.
 inline constexpr VkBufferUsageFlags kBuildScratch =
     VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+/// And of what they make, which top levels and shaders reach by address.
+inline constexpr VkBufferUsageFlags kBuildResult =
+    VK_BUFFER_USAGE_ACCELERATION_STRUCTURE_STORAGE_BIT_KHR | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
 
 /// @param alignment a power of two
 constexpr VkDeviceSize alignedUp(VkDeviceSize offset, VkDeviceSize alignment)
