@@ -96,10 +96,10 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
 /// each implies is 0.58 for one map and 0.37 for six faces, and errors grow as the width to the power of 1.1 and 0.7.
 constexpr double kUsualTexelPixels = 0.45;
 
-/// Reach::outlines for which the knowledge's wrong percents hold: of 51 pairs of a light and shadow_map, cube_map or
-/// cascades, in 12 scenes at 640x360, each implies 0.02 to 0.3, and the median 0.08. The errors of cube_map and
-/// cascades differ by 2.5 and 2.9 octaves from what texels alone predict, and by 1.6 and 2.1 with outlines (root mean
-/// square).
+/// Reach::outlines for which the knowledge's wrong percents hold: the median of what 51 pairs of a light and
+/// shadow_map, cube_map or cascades imply, in 12 scenes at 640x360; their quartiles are 0.05 and 0.18. The errors of
+/// cube_map and cascades differ by 2.5 and 2.9 octaves from what texels alone predict, and by 1.6 and 2.1 with outlines
+/// (root mean square).
 constexpr double kUsualOutlines = 0.08;
 
 plan::Eligibility eligibilityOf(Exclusion exclusion)
