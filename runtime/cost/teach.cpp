@@ -48,7 +48,7 @@ Tracks withPenumbrae(Tracks tracks)
 uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const TaughtMethod> methods,
                uint32_t firstMethod)
 {
-    const auto dearestOf = [&](auto&& counts) {
+    const auto costliestOf = [&](auto&& counts) {
         Tracks costliest{};
         for (const TaughtMethod& method : methods)
             if (const AlgorithmCost* known = device.find(method.algorithm); known && counts(method))
@@ -67,8 +67,8 @@ uint32_t teach(CostModel& model, const DeviceKnowledge& device, std::span<const 
             ++measured;
             continue;
         }
-        Tracks alike = dearestOf([&](const TaughtMethod& other) { return other.kind == methods[m].kind; });
-        if (isEmpty(alike)) alike = dearestOf([](const TaughtMethod&) { return true; });
+        Tracks alike = costliestOf([&](const TaughtMethod& other) { return other.kind == methods[m].kind; });
+        if (isEmpty(alike)) alike = costliestOf([](const TaughtMethod&) { return true; });
         if (!isEmpty(alike)) model.teach(m, withPenumbrae(alike), kOfAKind);
     }
     return measured;

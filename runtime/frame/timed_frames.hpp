@@ -12,8 +12,8 @@ constexpr std::uint64_t kTimedPeriod = 8;
 /// What has just been switched on for the first time is known least: its first settled frames are timed as well.
 class TimedFrames {
 public:
-    /// A light has a method that was not timed with it. One while the last one's timings are still to come is passed over, so
-    /// that of frames that all bring changes four in seven are timed.
+    /// A light has a method that was not timed with it. One while the last one's timings are still to come is passed
+    /// over, so that of frames that all bring changes four in seven are timed.
     void noteChange(std::uint64_t frame)
     {
         if (changedAt_ == 0 || frame >= changedAt_ + cost::kLearnFrames) changedAt_ = frame;
