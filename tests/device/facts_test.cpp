@@ -91,7 +91,7 @@ policy:
     Scene scene = smallScene();
     scene.lights[0].kind = demo::LightKind::Directional;
     scene.lights[0].range = 0.0f;
-    Host close(scene, {.fixedMaps = false});
+    Host close(scene, {.mapSide = 0.0});
     close.require(gnLoadRules(close.context, kRules, std::string_view(kRules).size(), "floors"));
     close.draw(24, {});
     const double fine = qualityOf(close, "shadow_map");
@@ -103,7 +103,7 @@ policy:
         post.pose.position = {side * 2000.0, 1.0, side * 2000.0};
         scene.instances.push_back(post);
     }
-    Host wide(scene, {.fixedMaps = false});
+    Host wide(scene, {.mapSide = 0.0});
     wide.require(gnLoadRules(wide.context, kRules, std::string_view(kRules).size(), "floors"));
     wide.draw(24, {});
     CHECK(qualityOf(wide, "shadow_map") < 0.3 * fine);

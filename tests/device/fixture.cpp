@@ -124,7 +124,7 @@ Host::Host(Scene wanted, const HostOptions& options)
         slot.after = buffers[1];
     }
     createContext(options);
-    if (options.fixedMaps) fixMapSides();
+    if (options.mapSide > 0.0) fixMapSides(options.mapSide);
     createScene();
     views.resize(options.viewCount);
     for (GnView& view : views) {

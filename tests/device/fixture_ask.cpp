@@ -81,14 +81,14 @@ std::vector<GnMethodInfo> allMethods(GnContext context)
 
 } // namespace
 
-void Host::fixMapSides()
+void Host::fixMapSides(double most)
 {
     const std::vector<GnMethodInfo> methods = allMethods(context);
     for (const BuiltinAlgorithm& algorithm : builtinRegistry().algorithms)
         for (const SettingSpec& setting : algorithm.entry->settings)
             for (const GnMethodInfo& method : methods)
                 if (setting.byCoverage && std::string_view(algorithm.entry->name) == method.pAlgorithm)
-                    require(gnSetMethodSetting(context, method.pName, setting.name, setting.standard));
+                    require(gnSetMethodSetting(context, method.pName, setting.name, std::min(setting.standard, most)));
 }
 
 GnDecision Host::decision(size_t light, uint32_t view) const

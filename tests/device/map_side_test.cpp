@@ -62,7 +62,7 @@ bool contains(const std::string& text, const std::string& part)
 
 TEST_CASE_FIXTURE(DeviceTest, "a kept map gets smaller as the eye goes away, larger as it comes back, once each")
 {
-    Host host(smallScene(), {.fixedMaps = false});
+    Host host(smallScene(), {.mapSide = 0.0});
     load(host, "default");
     host.pin(0, "shadow_map");
     host.require(host.draw());
@@ -89,7 +89,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a kept map gets smaller as the eye goes away, lar
 TEST_CASE_FIXTURE(DeviceTest,
                   "a side that the host sets stays, and 0 hands it back; nothing else below the least is taken")
 {
-    Host host(smallScene(), {.fixedMaps = false});
+    Host host(smallScene(), {.mapSide = 0.0});
     load(host, "default");
     host.pin(0, "shadow_map");
     set(host, "shadow_map", 320);
@@ -108,7 +108,7 @@ TEST_CASE_FIXTURE(DeviceTest,
 
 TEST_CASE_FIXTURE(DeviceTest, "a map by coverage is the map of the same side, bit for bit")
 {
-    Host host(smallScene(), {.fixedMaps = false});
+    Host host(smallScene(), {.mapSide = 0.0});
     load(host, "default");
     host.pin(0, "shadow_map");
     host.draw(kLong, {});
@@ -126,7 +126,7 @@ TEST_CASE_FIXTURE(DeviceTest, "where the memory for maps is short sides shrink, 
         scene.lights.push_back(pointLight("bulb", {-2.5 + i, 5.0, 1.0}, true));
     scene.lights[5].importance = 0.01f;
     const VkDeviceSize limit = 24u << 20; // six cubes of 256 texels would take 18 MiB, where maps may take 12
-    Host host(scene, {.extent = {640, 360}, .fixedMaps = false, .context = [](GnContextCreateInfo& info) {
+    Host host(scene, {.extent = {640, 360}, .mapSide = 0.0, .context = [](GnContextCreateInfo& info) {
                           info.memoryLimit = limit;
                       }});
     load(host, "default");
@@ -155,7 +155,7 @@ TEST_CASE_FIXTURE(DeviceTest,
 {
     Scene scene = smallScene();
     scene.lights.push_back(pointLight("behind", {0.0, 6.0, 60.0}, true)); // 30 m of range; the eye is 8 m off
-    Host host(scene, {.fixedMaps = false});
+    Host host(scene, {.mapSide = 0.0});
     load(host, "default");
     host.draw(4, {});
     CHECK(host.decision(0).pMethod != nullptr);
@@ -189,7 +189,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a map in which things move slowly is drawn every 
 {
     Scene scene = smallScene();
     scene.instances[1].isStatic = false; // the ball
-    Host host(scene, {.fixedMaps = false});
+    Host host(scene, {.mapSide = 0.0});
     load(host, "default");
     host.pin(0, "shadow_map");
     host.draw(kLong, {});

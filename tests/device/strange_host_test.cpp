@@ -32,7 +32,7 @@ HostOptions optionsFor(uint32_t seed)
     constexpr std::array<uint64_t, 3> kMegabytes{0, 64, 24};
     HostOptions options{.extent = kExtent, .framesInFlight = 1 + seed % 3, .viewCount = 1 + seed % 2};
     options.flags = seed % 4 < 2 ? GnContextCreateFlags{GN_CONTEXT_NO_BACKGROUND_BIT} : 0;
-    options.fixedMaps = seed % 5 != 0;
+    options.mapSide = seed % 5 != 0 ? 256.0 : 0.0;
     options.context = [limit = kMegabytes[seed % 3] << 20](GnContextCreateInfo& info) { info.memoryLimit = limit; };
     return options;
 }
