@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"

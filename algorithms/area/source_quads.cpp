@@ -1,6 +1,5 @@
 #include "algorithms/area/source_quads.hpp"
 
-#include <algorithm>
 #include <bit>
 
 namespace gnomon {

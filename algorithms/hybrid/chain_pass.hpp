@@ -1,7 +1,6 @@
 #pragma once
 // The host pass of contour_chain: from what the map says of every pixel to what the pixel shows.
 #include <cstdint>
-#include <span>
 
 #include "algorithms/hybrid/chain.hpp"
 #include "algorithms/hybrid/id_map.hpp"

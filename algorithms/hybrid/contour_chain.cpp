@@ -6,8 +6,6 @@
 // Weak at:   what the map missed altogether: outside the contour its errors stay.
 #include "algorithms/entries.hpp"
 
-#include <algorithm>
-
 #include "algorithms/hybrid/chain_pass.hpp"
 #include "algorithms/hybrid/map_classification.hpp"
 #include "algorithms/hybrid/undecided.hpp"

@@ -1,7 +1,5 @@
 #include "algorithms/maps/desired_view.hpp"
 
-#include <algorithm>
-
 #include "algorithms/shared/depth_casters.hpp"
 #include "algorithms/shared/map_resolve.hpp"
 #include "runtime/scene/light_pixels.hpp"

@@ -1,7 +1,6 @@
 #include "algorithms/maps/view_solid.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <glm/vec2.hpp>
 

@@ -1,7 +1,5 @@
 #include "algorithms/shared/depth_bounds.hpp"
 
-#include <array>
-
 #include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/source_size.hpp"
 #include "shaders/shared/depth_bounds.h"

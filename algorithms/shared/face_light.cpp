@@ -1,6 +1,5 @@
 #include "algorithms/shared/face_light.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>

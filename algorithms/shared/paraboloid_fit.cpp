@@ -1,6 +1,5 @@
 #include "algorithms/shared/paraboloid_fit.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>

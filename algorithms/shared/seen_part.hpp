@@ -1,7 +1,6 @@
 #pragma once
 // What a view sees of a light's map: the part of it that receivers can be looked up in.
 #include <array>
-#include <cstdint>
 #include <span>
 
 #include <glm/mat3x3.hpp>

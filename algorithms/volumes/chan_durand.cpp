@@ -6,7 +6,6 @@
 #include "algorithms/entries.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/light_map.hpp"

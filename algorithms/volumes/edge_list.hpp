@@ -1,6 +1,5 @@
 #pragma once
 // All edges and faces of a mesh in the form of shaders/volumes/all_edges.h; plain CPU code without Vulkan calls.
-#include <cstddef>
 #include <cstdint>
 #include <span>
 

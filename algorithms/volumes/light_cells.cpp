@@ -1,7 +1,6 @@
 #include "algorithms/volumes/light_cells.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>

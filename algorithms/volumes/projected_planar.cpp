@@ -7,7 +7,6 @@
 #include "algorithms/entries.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "algorithms/shared/face_light.hpp"
 #include "algorithms/volumes/shadow_reach.hpp"

@@ -2,7 +2,6 @@
 // The shadow of a box as a convex region that holds at least the true one, and the umbra of a convex caster as one that
 // holds at most it: what may be left undrawn is decided between the two. Plain CPU code without Vulkan.
 #include <optional>
-#include <span>
 #include <vector>
 
 #include <glm/vec4.hpp>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "runtime/passes/pass_context.hpp"
 #include "runtime/plan/utility.hpp"

@@ -1,7 +1,6 @@
 #include "runtime/frame/learn.hpp"
 
 #include <array>
-#include <span>
 #include <utility>
 
 namespace gnomon {

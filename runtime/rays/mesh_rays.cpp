@@ -1,7 +1,6 @@
 #include "runtime/rays/mesh_rays.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "runtime/scene/long_edges.hpp"

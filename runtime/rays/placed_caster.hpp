@@ -1,6 +1,5 @@
 #pragma once
 // A caster as the ray tracer's top level has it. Internal to this folder, as it includes Embree's header.
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
