@@ -50,9 +50,10 @@ inline const char* drawShadows(const Shadows& s, GnViewFrame camera, uint64_t fr
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
-#include <utility>
+#include <type_traits>
 
 #include <gnomon/algorithm.h>
 #include <gnomon/gnomon.h>
@@ -278,60 +279,46 @@ public:
     Context() noexcept = default;
     /** Takes over a context of the C API. */
     explicit Context(GnContext context) noexcept : context_(context) {}
-    /** gnCreateContext(). What went wrong is told to GnContextCreateInfo::pfnMessage alone; here is the result's name.
-     */
+    /** gnCreateContext(). GnContextCreateInfo::pfnMessage is told what went wrong; here is the result's name. */
     static Result<Context> create(const GnContextCreateInfo& info) noexcept
     {
         GnContext made = nullptr;
         const GnResult status = gnCreateContext(&info, &made);
         return {status, status < 0 ? gnResultName(status) : "", Context(made)};
     }
-    /** Leaves null. */
-    Context(Context&& other) noexcept : context_(std::exchange(other.context_, nullptr)) {}
-    /** Destroys its own, and leaves null. */
-    Context& operator=(Context&& other) noexcept
-    {
-        if (this != &other) {
-            reset();
-            context_ = std::exchange(other.context_, nullptr);
-        }
-        return *this;
-    }
-    /** gnDestroyContext(). */
-    ~Context() { reset(); }
 
     /** For the C API. */
-    GnContext get() const noexcept { return context_; }
+    GnContext get() const noexcept { return context_.get(); }
     /** There is one. */
-    explicit operator bool() const noexcept { return context_ != nullptr; }
+    explicit operator bool() const noexcept { return get() != nullptr; }
     /** Destroys it now. */
-    void reset() noexcept { gnDestroyContext(std::exchange(context_, nullptr)); }
+    void reset() noexcept { context_.reset(); }
     /** Hands it out, to be destroyed by the caller. */
-    [[nodiscard]] GnContext release() noexcept { return std::exchange(context_, nullptr); }
+    [[nodiscard]] GnContext release() noexcept { return context_.release(); }
 
     /** gnGetLastError(). */
-    const char* lastError() const noexcept { return gnGetLastError(context_); }
+    const char* lastError() const noexcept { return gnGetLastError(get()); }
     /** gnWarmUp(). */
-    Status warmUp() const noexcept { return done(gnWarmUp(context_)); }
+    Status warmUp() const noexcept { return done(gnWarmUp(get())); }
     /** gnWarmUpMethod(). */
-    Status warmUp(const char* method) const noexcept { return done(gnWarmUpMethod(context_, method)); }
+    Status warmUp(const char* method) const noexcept { return done(gnWarmUpMethod(get(), method)); }
     /** gnGetPipelineCacheData(): all of it, or nothing and #GN_INCOMPLETE. */
     Result<std::span<std::byte>> pipelineCacheData(std::span<std::byte> room) const noexcept
     {
-        return detail::listed<std::size_t>(
-            context_, room, [&](auto* n, auto* out) { return gnGetPipelineCacheData(context_, n, out); });
+        return detail::listed<std::size_t>(get(), room,
+                                           [&](auto* n, auto* out) { return gnGetPipelineCacheData(get(), n, out); });
     }
     /** Room that pipelineCacheData() needs, in bytes. */
     Result<std::size_t> pipelineCacheSize() const noexcept
     {
-        return detail::counted<std::size_t>(
-            context_, [&](auto* n, void* out) { return gnGetPipelineCacheData(context_, n, out); });
+        return detail::counted<std::size_t>(get(),
+                                            [&](auto* n, void* out) { return gnGetPipelineCacheData(get(), n, out); });
     }
 
     /** gnCreateMesh(). */
     Result<Mesh> createMesh(const GnMeshCreateInfo& info) const noexcept
     {
-        return made<Mesh, GnMesh>([&](auto* out) { return gnCreateMesh(context_, &info, out); });
+        return made<Mesh, GnMesh>([&](auto* out) { return gnCreateMesh(get(), &info, out); });
     }
     /** gnCreateMesh() of vertices that begin with their position, three floats. Without indices, each three of them are
     a triangle. */
@@ -352,7 +339,7 @@ public:
     /** gnCreateInstance(). */
     Result<Instance> createInstance(const GnInstanceCreateInfo& info) const noexcept
     {
-        return made<Instance, GnInstance>([&](auto* out) { return gnCreateInstance(context_, &info, out); });
+        return made<Instance, GnInstance>([&](auto* out) { return gnCreateInstance(get(), &info, out); });
     }
     /** gnCreateInstances(), as many as there are transforms, into handles of the C API: Instance(context, handle) takes
     one over. */
@@ -360,141 +347,141 @@ public:
                            std::span<GnInstance> instances) const noexcept
     {
         if (instances.size() != transforms.size()) return differ();
-        return done(gnCreateInstances(context_, &info, static_cast<uint32_t>(transforms.size()), transforms.data(),
+        return done(gnCreateInstances(get(), &info, static_cast<uint32_t>(transforms.size()), transforms.data(),
                                       instances.data()));
     }
     /** gnCreateInstances() of info.pTransformBuffer, which holds as many transforms as there are handles. */
     Status createInstances(const GnInstanceCreateInfo& info, std::span<GnInstance> instances) const noexcept
     {
-        return done(gnCreateInstances(context_, &info, static_cast<uint32_t>(instances.size()), nullptr,
-                                      instances.data()));
+        return done(
+            gnCreateInstances(get(), &info, static_cast<uint32_t>(instances.size()), nullptr, instances.data()));
     }
     /** gnUpdateInstancesFromBuffer(). */
     Status updateInstances(std::span<const GnInstance> instances, const GnTransformBuffer& transforms) const noexcept
     {
-        return done(gnUpdateInstancesFromBuffer(context_, static_cast<uint32_t>(instances.size()), instances.data(),
-                                                &transforms));
+        return done(
+            gnUpdateInstancesFromBuffer(get(), static_cast<uint32_t>(instances.size()), instances.data(), &transforms));
     }
     /** gnSetInstanceTransforms(). */
     Status setTransforms(std::span<const GnInstance> instances, std::span<const GnTransform> transforms) const noexcept
     {
         if (instances.size() != transforms.size()) return differ();
-        return done(gnSetInstanceTransforms(context_, static_cast<uint32_t>(transforms.size()), instances.data(),
+        return done(gnSetInstanceTransforms(get(), static_cast<uint32_t>(transforms.size()), instances.data(),
                                             transforms.data()));
     }
     /** gnCreateLight(). */
     Result<Light> createLight(const GnLightInfo& info) const noexcept
     {
-        return made<Light, GnLight>([&](auto* out) { return gnCreateLight(context_, &info, out); });
+        return made<Light, GnLight>([&](auto* out) { return gnCreateLight(get(), &info, out); });
     }
     /** gnCreateView(). */
     Result<View> createView(const GnViewCreateInfo& info = {}) const noexcept
     {
-        return made<View, GnView>([&](auto* out) { return gnCreateView(context_, &info, out); });
+        return made<View, GnView>([&](auto* out) { return gnCreateView(get(), &info, out); });
     }
 
     /** gnCmdRenderShadows(). */
     Status cmdRenderShadows(VkCommandBuffer commandBuffer, const Frame& frame) const noexcept
     {
         const GnFrameInfo info = frame.info();
-        return done(gnCmdRenderShadows(context_, commandBuffer, &info));
+        return done(gnCmdRenderShadows(get(), commandBuffer, &info));
     }
     /** gnDropFrame(). */
-    Status dropFrame(uint64_t frame) const noexcept { return done(gnDropFrame(context_, frame)); }
+    Status dropFrame(uint64_t frame) const noexcept { return done(gnDropFrame(get(), frame)); }
     /** gnBeginShadows(). */
     Status beginShadows(const Frame& frame) const noexcept
     {
         const GnFrameInfo info = frame.info();
-        return done(gnBeginShadows(context_, &info));
+        return done(gnBeginShadows(get(), &info));
     }
     /** gnFinishShadows(). */
     Status finishShadows(uint64_t timeoutNs = UINT64_MAX) const noexcept
     {
-        return done(gnFinishShadows(context_, timeoutNs));
+        return done(gnFinishShadows(get(), timeoutNs));
     }
     /** gnSubmitShadows(). */
     Status submitShadows(const Frame& frame) const noexcept
     {
         const GnFrameInfo info = frame.info();
-        return done(gnSubmitShadows(context_, &info));
+        return done(gnSubmitShadows(get(), &info));
     }
 
     /** gnEnumerateMethods(): what of `room` was filled. */
     Result<std::span<GnMethodInfo>> methods(std::span<GnMethodInfo> room) const noexcept
     {
-        return detail::listed<uint32_t>(context_, room,
-                                        [&](auto* n, auto* out) { return gnEnumerateMethods(context_, n, out); });
+        return detail::listed<uint32_t>(get(), room,
+                                        [&](auto* n, auto* out) { return gnEnumerateMethods(get(), n, out); });
     }
     /** How many methods there are. */
     Result<uint32_t> methodCount() const noexcept
     {
-        return detail::counted<uint32_t>(
-            context_, [&](auto* n, GnMethodInfo* out) { return gnEnumerateMethods(context_, n, out); });
+        return detail::counted<uint32_t>(get(),
+                                         [&](auto* n, GnMethodInfo* out) { return gnEnumerateMethods(get(), n, out); });
     }
     /** gnAddMethod(). */
     Status addMethod(const char* name, const char* algorithm) const noexcept
     {
-        return done(gnAddMethod(context_, name, algorithm));
+        return done(gnAddMethod(get(), name, algorithm));
     }
     /** gnSetMethodSetting(). */
     Status setMethodSetting(const char* method, const char* setting, double value) const noexcept
     {
-        return done(gnSetMethodSetting(context_, method, setting, value));
+        return done(gnSetMethodSetting(get(), method, setting, value));
     }
     /** gnLoadRules(). */
     Status loadRules(std::string_view text, const char* fileName = nullptr) const noexcept
     {
-        return done(gnLoadRules(context_, text.data(), text.size(), fileName));
+        return done(gnLoadRules(get(), text.data(), text.size(), fileName));
     }
     /** gnLoadShippedRules(). */
-    Status loadShippedRules(const char* name) const noexcept { return done(gnLoadShippedRules(context_, name)); }
+    Status loadShippedRules(const char* name) const noexcept { return done(gnLoadShippedRules(get(), name)); }
     /** gnSetPreset(); null is the base as it stands. */
-    Status setPreset(const char* name) const noexcept { return done(gnSetPreset(context_, name)); }
+    Status setPreset(const char* name) const noexcept { return done(gnSetPreset(get(), name)); }
     /** gnLoadKnowledge(). */
     Status loadKnowledge(std::string_view text, const char* fileName = nullptr) const noexcept
     {
-        return done(gnLoadKnowledge(context_, text.data(), text.size(), fileName));
+        return done(gnLoadKnowledge(get(), text.data(), text.size(), fileName));
     }
     /** gnLoadShippedKnowledge(). */
-    Status loadShippedKnowledge() const noexcept { return done(gnLoadShippedKnowledge(context_)); }
+    Status loadShippedKnowledge() const noexcept { return done(gnLoadShippedKnowledge(get())); }
 
     /** gnGetPassTimings(). */
     Result<PassTimings> passTimings(std::span<GnPassTiming> room) const noexcept
     {
         PassTimings out;
         const auto read = detail::listed<uint32_t>(
-            context_, room, [&](auto* n, auto* passes) { return gnGetPassTimings(context_, &out.frame, n, passes); });
+            get(), room, [&](auto* n, auto* passes) { return gnGetPassTimings(get(), &out.frame, n, passes); });
         out.passes = *read;
-        return detail::done(context_, read.status(), out);
+        return detail::done(get(), read.status(), out);
     }
     /** gnGetFramePasses(): what of `room` was filled. */
     Result<std::span<GnPassTiming>> framePasses(std::span<GnPassTiming> room) const noexcept
     {
-        return detail::listed<uint32_t>(context_, room,
-                                        [&](auto* n, auto* out) { return gnGetFramePasses(context_, n, out); });
+        return detail::listed<uint32_t>(get(), room,
+                                        [&](auto* n, auto* out) { return gnGetFramePasses(get(), n, out); });
     }
     /** gnGetFrameStats(). */
     Result<GnFrameStats> frameStats() const noexcept
     {
-        return detail::filled<GnFrameStats>(context_, [&](auto* out) { return gnGetFrameStats(context_, out); });
+        return detail::filled<GnFrameStats>(get(), [&](auto* out) { return gnGetFrameStats(get(), out); });
     }
 
     /** gnRegisterAlgorithm(). */
     Status registerAlgorithm(const GnAlgorithmInfo& info) const noexcept
     {
-        return done(gnRegisterAlgorithm(context_, &info));
+        return done(gnRegisterAlgorithm(get(), &info));
     }
     /** gnGetPluginInterface(). */
     Result<const GnPluginInterface*> pluginInterface() const noexcept
     {
-        return detail::filled<const GnPluginInterface*>(context_,
-                                                        [&](auto* out) { return gnGetPluginInterface(context_, out); });
+        return detail::filled<const GnPluginInterface*>(get(),
+                                                        [&](auto* out) { return gnGetPluginInterface(get(), out); });
     }
     /** gnLoadPlugin(). */
-    Status loadPlugin(const char* path) const noexcept { return done(gnLoadPlugin(context_, path)); }
+    Status loadPlugin(const char* path) const noexcept { return done(gnLoadPlugin(get(), path)); }
 
 private:
-    Status done(GnResult status) const noexcept { return detail::done(context_, status); }
+    Status done(GnResult status) const noexcept { return detail::done(get(), status); }
     static Status differ() noexcept { return {GN_ERROR_OUT_OF_RANGE, "instances and transforms differ in number"}; }
 
     template <typename Object, typename Handle, typename Make>
@@ -502,10 +489,13 @@ private:
     {
         Handle handle = VK_NULL_HANDLE;
         const GnResult status = make(&handle);
-        return detail::done(context_, status, Object(context_, handle));
+        return detail::done(get(), status, Object(get(), handle));
     }
 
-    GnContext context_ = nullptr;
+    struct Destroy {
+        void operator()(GnContext context) const noexcept { gnDestroyContext(context); }
+    };
+    std::unique_ptr<std::remove_pointer_t<GnContext>, Destroy> context_;
 };
 
 } // namespace gn
