@@ -23,6 +23,7 @@ Answers to *why* and *why not* are gnExplain()'s.
 #include <cmath>
 #include <cstdio>
 #include <deque>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -468,33 +469,11 @@ private:
 
     static const char* outcome(GnElimination elimination)
     {
-        switch (elimination) {
-        case GN_ELIMINATION_NONE:
-            return "chosen";
-        case GN_ELIMINATION_UNABLE:
-            return "cannot serve";
-        case GN_ELIMINATION_NOT_READY:
-            return "not ready";
-        case GN_ELIMINATION_PINNED:
-            return "another one is pinned";
-        case GN_ELIMINATION_NEVER:
-            return "vetoed";
-        case GN_ELIMINATION_NO_OPINION:
-            return "no rule speaks";
-        case GN_ELIMINATION_FLOOR:
-            return "below the near floor";
-        case GN_ELIMINATION_BUDGET:
-            return "over the budget";
-        case GN_ELIMINATION_HYSTERESIS:
-            return "held back";
-        case GN_ELIMINATION_OUTSCORED:
-            return "suits less";
-        case GN_ELIMINATION_PRICE:
-            return "takes longer for no more";
-        case GN_ELIMINATION_MAX_ENUM:
-            break;
-        }
-        return "unknown to this header";
+        static constexpr const char* words[] = {
+            "chosen",          "cannot serve",         "not ready",       "another one is pinned", "vetoed",
+            "no rule speaks",  "below the near floor", "over the budget", "held back",             "suits less",
+            "takes longer for no more"};
+        return size_t(elimination) < std::size(words) ? words[elimination] : "unknown to this header";
     }
 
     GnContext context_ = nullptr;
