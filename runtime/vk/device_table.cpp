@@ -1,7 +1,6 @@
 #include "runtime/vk/device_table.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace gnomon {
 namespace {
@@ -126,74 +125,56 @@ bool DeviceTable::hasExtension(const char* name) const noexcept
                        [name](const std::string& extension) { return extension == name; });
 }
 
+namespace {
+
+/// Whether a structure of that type in the chain switches the feature on.
+template <typename Features>
+bool isOn(const VkPhysicalDeviceFeatures2& chain, VkStructureType type, VkBool32 Features::*feature) noexcept
+{
+    for (auto* at = static_cast<const VkBaseInStructure*>(chain.pNext); at; at = at->pNext)
+        if (at->sType == type && reinterpret_cast<const Features*>(at)->*feature) return true;
+    return false;
+}
+
+} // namespace
+
 const char* missingFeature(const VkPhysicalDeviceFeatures2& chain) noexcept
 {
-    bool dynamicRendering = false, synchronization2 = false, timelineSemaphore = false;
-    for (auto* at = static_cast<const VkBaseInStructure*>(chain.pNext); at; at = at->pNext) {
-        const void* features = at;
-        switch (at->sType) {
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES:
-            dynamicRendering |= static_cast<const VkPhysicalDeviceVulkan13Features*>(features)->dynamicRendering != 0;
-            synchronization2 |= static_cast<const VkPhysicalDeviceVulkan13Features*>(features)->synchronization2 != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
-            timelineSemaphore |= static_cast<const VkPhysicalDeviceVulkan12Features*>(features)->timelineSemaphore != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES:
-            dynamicRendering |=
-                static_cast<const VkPhysicalDeviceDynamicRenderingFeatures*>(features)->dynamicRendering != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES:
-            synchronization2 |=
-                static_cast<const VkPhysicalDeviceSynchronization2Features*>(features)->synchronization2 != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
-            timelineSemaphore |=
-                static_cast<const VkPhysicalDeviceTimelineSemaphoreFeatures*>(features)->timelineSemaphore != 0;
-            break;
-        default:
-            break;
-        }
-    }
-    if (!dynamicRendering) return "dynamicRendering";
-    if (!synchronization2) return "synchronization2";
-    if (!timelineSemaphore) return "timelineSemaphore";
+    constexpr VkStructureType core12 = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+                              core13 = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    if (!isOn(chain, core13, &VkPhysicalDeviceVulkan13Features::dynamicRendering) &&
+        !isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES,
+              &VkPhysicalDeviceDynamicRenderingFeatures::dynamicRendering))
+        return "dynamicRendering";
+    if (!isOn(chain, core13, &VkPhysicalDeviceVulkan13Features::synchronization2) &&
+        !isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SYNCHRONIZATION_2_FEATURES,
+              &VkPhysicalDeviceSynchronization2Features::synchronization2))
+        return "synchronization2";
+    if (!isOn(chain, core12, &VkPhysicalDeviceVulkan12Features::timelineSemaphore) &&
+        !isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES,
+              &VkPhysicalDeviceTimelineSemaphoreFeatures::timelineSemaphore))
+        return "timelineSemaphore";
     return nullptr;
 }
 
 const char* missingForRayQuery(const VkPhysicalDeviceFeatures2& chain, std::span<const std::string> extensions) noexcept
 {
-    bool structures = false, queries = false, addresses = false;
-    for (auto* at = static_cast<const VkBaseInStructure*>(chain.pNext); at; at = at->pNext) {
-        const void* features = at;
-        switch (at->sType) {
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR:
-            structures |=
-                static_cast<const VkPhysicalDeviceAccelerationStructureFeaturesKHR*>(features)->accelerationStructure !=
-                0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR:
-            queries |= static_cast<const VkPhysicalDeviceRayQueryFeaturesKHR*>(features)->rayQuery != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES:
-            addresses |= static_cast<const VkPhysicalDeviceVulkan12Features*>(features)->bufferDeviceAddress != 0;
-            break;
-        case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES:
-            addresses |=
-                static_cast<const VkPhysicalDeviceBufferDeviceAddressFeatures*>(features)->bufferDeviceAddress != 0;
-            break;
-        default:
-            break;
-        }
-    }
     const auto names = [extensions](const char* name) {
         return std::ranges::find(extensions, name) != extensions.end();
     };
     if (!names(VK_KHR_ACCELERATION_STRUCTURE_EXTENSION_NAME)) return "needs VK_KHR_acceleration_structure";
     if (!names(VK_KHR_RAY_QUERY_EXTENSION_NAME)) return "needs VK_KHR_ray_query";
-    if (!structures) return "needs the feature accelerationStructure of VK_KHR_acceleration_structure";
-    if (!queries) return "needs the feature rayQuery of VK_KHR_ray_query";
-    if (!addresses) return "needs bufferDeviceAddress";
+    if (!isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_ACCELERATION_STRUCTURE_FEATURES_KHR,
+              &VkPhysicalDeviceAccelerationStructureFeaturesKHR::accelerationStructure))
+        return "needs the feature accelerationStructure of VK_KHR_acceleration_structure";
+    if (!isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_RAY_QUERY_FEATURES_KHR,
+              &VkPhysicalDeviceRayQueryFeaturesKHR::rayQuery))
+        return "needs the feature rayQuery of VK_KHR_ray_query";
+    if (!isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
+              &VkPhysicalDeviceVulkan12Features::bufferDeviceAddress) &&
+        !isOn(chain, VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES,
+              &VkPhysicalDeviceBufferDeviceAddressFeatures::bufferDeviceAddress))
+        return "needs bufferDeviceAddress";
     if (!chain.features.shaderFloat64) return "needs shaderFloat64"; // startsOn(), runtime/scene/long_edges.hpp
     return nullptr;
 }
