@@ -75,118 +75,95 @@ Result<void> createLayouts(const DeviceTable& vk, Pipeline& pipeline)
     return {};
 }
 
-/// Every structure a graphics pipeline points at; filled from the description, then read by Vulkan once.
+/// Every structure a graphics pipeline points at, filled from the description and read by Vulkan once.
 struct GraphicsState {
-    std::array<VkVertexInputBindingDescription, 2> vertexBuffers{};  ///< Positions; transforms.
-    std::array<VkVertexInputAttributeDescription, 4> vertexInputs{}; ///< Position; three rows.
-    VkPipelineVertexInputStateCreateInfo vertexInput{};
-    VkPipelineInputAssemblyStateCreateInfo assembly{};
-    VkPipelineViewportStateCreateInfo viewport{};
-    VkPipelineRasterizationStateCreateInfo raster{};
-    VkPipelineMultisampleStateCreateInfo multisample{};
-    VkPipelineDepthStencilStateCreateInfo depthStencil{};
-    VkPipelineColorBlendAttachmentState blendAttachment{};
-    VkPipelineColorBlendStateCreateInfo blend{};
-    std::array<VkDynamicState, 5> dynamicStates{};
-    VkPipelineDynamicStateCreateInfo dynamic{};
-    VkPipelineRenderingCreateInfo rendering{};
-
-    explicit GraphicsState(const GraphicsPipelineInfo& info);
+    explicit GraphicsState(const GraphicsPipelineInfo& of) : info(of) {}
     GraphicsState(const GraphicsState&) = delete;
     GraphicsState& operator=(const GraphicsState&) = delete;
 
-private:
-    void setVertices(const GraphicsPipelineInfo& info);
-    void setRaster(const GraphicsPipelineInfo& info);
-    void setDepthStencil(const GraphicsPipelineInfo& info);
-    void setColor(const GraphicsPipelineInfo& info);
-    void setDynamic(const GraphicsPipelineInfo& info);
-};
+    const GraphicsPipelineInfo& info;
+    const bool colored = info.colorFormat != VK_FORMAT_UNDEFINED;
 
-GraphicsState::GraphicsState(const GraphicsPipelineInfo& info)
-{
-    setVertices(info);
-    setRaster(info);
-    setDepthStencil(info);
-    setColor(info);
-    setDynamic(info);
-    const VkImageAspectFlags aspects = aspectsOf(info.depthFormat);
-    rendering.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO;
-    rendering.colorAttachmentCount = info.colorFormat == VK_FORMAT_UNDEFINED ? 0 : 1;
-    rendering.pColorAttachmentFormats = &info.colorFormat;
+    const VkVertexInputBindingDescription vertexBuffers[2] = {
+        {.binding = 0, .stride = info.vertexStride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX},
+        {.binding = kTransformsBinding, .stride = kTransformBytes, .inputRate = VK_VERTEX_INPUT_RATE_INSTANCE}};
+    const VkVertexInputAttributeDescription vertexInputs[4] = {
+        {.location = 0,
+         .binding = 0,
+         .format = info.vertexStride == 16 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32_SFLOAT,
+         .offset = 0},
+        transformRow(0),
+        transformRow(1),
+        transformRow(2)};
+    const VkPipelineVertexInputStateCreateInfo vertexInput{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO,
+        .vertexBindingDescriptionCount = !info.vertexStride ? 0u
+                                         : info.transforms  ? 2u
+                                                            : 1u,
+        .pVertexBindingDescriptions = vertexBuffers,
+        .vertexAttributeDescriptionCount = !info.vertexStride ? 0u
+                                           : info.transforms  ? 4u
+                                                              : 1u,
+        .pVertexAttributeDescriptions = vertexInputs};
+    const VkPipelineInputAssemblyStateCreateInfo assembly{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO, .topology = info.topology};
+    const VkPipelineViewportStateCreateInfo viewport{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO, .viewportCount = 1, .scissorCount = 1};
+    const VkPipelineRasterizationStateCreateInfo raster{.sType =
+                                                            VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+                                                        .depthClampEnable = info.depthClamp,
+                                                        .polygonMode = VK_POLYGON_MODE_FILL,
+                                                        .cullMode = info.cullMode,
+                                                        .frontFace = info.frontFace,
+                                                        .depthBiasEnable = info.casters,
+                                                        .lineWidth = 1.0f};
+    const VkPipelineMultisampleStateCreateInfo multisample{.sType =
+                                                               VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+                                                           .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT};
+    const VkPipelineDepthStencilStateCreateInfo depthStencil{
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = info.depthTest || info.depthWrite, // without the test nothing is written
+        .depthWriteEnable = info.depthWrite,
+        .depthCompareOp = info.depthTest ? info.depthCompare : VK_COMPARE_OP_ALWAYS,
+        .stencilTestEnable = info.stencil.enable,
+        .front = info.stencil.front,
+        .back = info.stencil.back,
+        .maxDepthBounds = 1.0f};
+    const VkPipelineColorBlendAttachmentState blendAttachment{.blendEnable = info.blendScale,
+                                                              .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                              .dstColorBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+                                                              .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+                                                              .dstAlphaBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA,
+                                                              .colorWriteMask = info.colorMask};
+    const VkPipelineColorBlendStateCreateInfo blend{.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+                                                    .attachmentCount = colored,
+                                                    .pAttachments = &blendAttachment};
+    const VkDynamicState dynamicStates[5] = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR,
+                                             VK_DYNAMIC_STATE_CULL_MODE, VK_DYNAMIC_STATE_FRONT_FACE,
+                                             VK_DYNAMIC_STATE_DEPTH_BIAS};
+    const VkPipelineDynamicStateCreateInfo dynamic{.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+                                                   .dynamicStateCount = info.casters ? 5u : 2u,
+                                                   .pDynamicStates = dynamicStates};
     // A format with both aspects is always attached with both, whatever the pipeline does with them.
-    if (aspects & VK_IMAGE_ASPECT_DEPTH_BIT) rendering.depthAttachmentFormat = info.depthFormat;
-    if (aspects & VK_IMAGE_ASPECT_STENCIL_BIT) rendering.stencilAttachmentFormat = info.depthFormat;
-}
+    const VkPipelineRenderingCreateInfo rendering{.sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+                                                  .colorAttachmentCount = colored,
+                                                  .pColorAttachmentFormats = &info.colorFormat,
+                                                  .depthAttachmentFormat = attached(VK_IMAGE_ASPECT_DEPTH_BIT),
+                                                  .stencilAttachmentFormat = attached(VK_IMAGE_ASPECT_STENCIL_BIT)};
 
-void GraphicsState::setVertices(const GraphicsPipelineInfo& info)
-{
-    const VkFormat position = info.vertexStride == 16 ? VK_FORMAT_R32G32B32A32_SFLOAT : VK_FORMAT_R32G32B32_SFLOAT;
-    vertexBuffers[0] = {.binding = 0, .stride = info.vertexStride, .inputRate = VK_VERTEX_INPUT_RATE_VERTEX};
-    vertexInputs[0] = {.location = 0, .binding = 0, .format = position, .offset = 0};
-    vertexBuffers[1] = {
-        .binding = kTransformsBinding, .stride = kTransformBytes, .inputRate = VK_VERTEX_INPUT_RATE_INSTANCE};
-    for (std::uint32_t row = 0; row < 3; ++row)
-        vertexInputs[1 + row] = {.location = 1 + row,
-                                 .binding = kTransformsBinding,
-                                 .format = VK_FORMAT_R32G32B32A32_SFLOAT,
-                                 .offset = 16 * row};
-    vertexInput.sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO;
-    vertexInput.vertexBindingDescriptionCount = !info.vertexStride ? 0 : info.transforms ? 2 : 1;
-    vertexInput.pVertexBindingDescriptions = vertexBuffers.data();
-    vertexInput.vertexAttributeDescriptionCount = !info.vertexStride ? 0 : info.transforms ? 4 : 1;
-    vertexInput.pVertexAttributeDescriptions = vertexInputs.data();
-    assembly.sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO;
-    assembly.topology = info.topology;
-}
-
-void GraphicsState::setRaster(const GraphicsPipelineInfo& info)
-{
-    viewport.sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO;
-    viewport.viewportCount = 1;
-    viewport.scissorCount = 1;
-    raster.sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO;
-    raster.depthClampEnable = info.depthClamp;
-    raster.polygonMode = VK_POLYGON_MODE_FILL;
-    raster.cullMode = info.cullMode;
-    raster.frontFace = info.frontFace;
-    raster.depthBiasEnable = info.casters;
-    raster.lineWidth = 1.0f;
-    multisample.sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO;
-    multisample.rasterizationSamples = VK_SAMPLE_COUNT_1_BIT;
-}
-
-void GraphicsState::setDepthStencil(const GraphicsPipelineInfo& info)
-{
-    depthStencil.sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO;
-    depthStencil.depthTestEnable = info.depthTest || info.depthWrite; // without the test nothing is written
-    depthStencil.depthWriteEnable = info.depthWrite;
-    depthStencil.depthCompareOp = info.depthTest ? info.depthCompare : VK_COMPARE_OP_ALWAYS;
-    depthStencil.stencilTestEnable = info.stencil.enable;
-    depthStencil.front = info.stencil.front;
-    depthStencil.back = info.stencil.back;
-    depthStencil.maxDepthBounds = 1.0f;
-}
-
-void GraphicsState::setColor(const GraphicsPipelineInfo& info)
-{
-    blendAttachment.blendEnable = info.blendScale;
-    blendAttachment.srcColorBlendFactor = blendAttachment.srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE;
-    blendAttachment.dstColorBlendFactor = blendAttachment.dstAlphaBlendFactor = VK_BLEND_FACTOR_SRC_ALPHA;
-    blendAttachment.colorWriteMask = info.colorMask;
-    blend.sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO;
-    blend.attachmentCount = info.colorFormat == VK_FORMAT_UNDEFINED ? 0 : 1;
-    blend.pAttachments = &blendAttachment;
-}
-
-void GraphicsState::setDynamic(const GraphicsPipelineInfo& info)
-{
-    dynamicStates = {VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR, VK_DYNAMIC_STATE_CULL_MODE,
-                     VK_DYNAMIC_STATE_FRONT_FACE, VK_DYNAMIC_STATE_DEPTH_BIAS};
-    dynamic.sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO;
-    dynamic.dynamicStateCount = info.casters ? 5 : 2;
-    dynamic.pDynamicStates = dynamicStates.data();
-}
+private:
+    static constexpr VkVertexInputAttributeDescription transformRow(std::uint32_t row)
+    {
+        return {.location = 1 + row,
+                .binding = kTransformsBinding,
+                .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                .offset = 16 * row};
+    }
+    VkFormat attached(VkImageAspectFlags aspect) const
+    {
+        return aspectsOf(info.depthFormat) & aspect ? info.depthFormat : VK_FORMAT_UNDEFINED;
+    }
+};
 
 Result<void> createGraphics(const DeviceTable& vk, VkPipelineCache cache, const GraphicsPipelineInfo& info,
                             Pipeline& pipeline)
