@@ -50,7 +50,7 @@ gnomon_algorithm(conservative_map
     SOURCES conservative_map.cpp)
 gnomon_algorithm(ray_traced
     NEEDS embree
-    SOURCES ray_traced.cpp sampled_pixels.cpp)
+    SOURCES ray_traced.cpp)
 gnomon_shared(
     SOURCES device_trace.cpp
     SHADERS hybrid/ray_query.frag
@@ -69,7 +69,7 @@ gnomon_algorithm(tile_shafts
     SOURCES tile_shafts.cpp)
 gnomon_algorithm(eight_point_hybrid
     NEEDS embree
-    SOURCES eight_point_hybrid.cpp point_maps.cpp
+    SOURCES eight_point_hybrid.cpp
     SHADERS hybrid/eight_point_hybrid.frag)
 gnomon_algorithm(coherence_sampling
     NEEDS embree

@@ -1,5 +1,5 @@
 #version 460
-// Many rays a pixel to points of the light's source, with the points of algorithms/hybrid/sampled_pixels.cpp.
+// Many rays a pixel to points of the light's source, with the points of algorithms/hybrid/ray_traced.cpp.
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_ray_query : require
 #extension GL_EXT_buffer_reference : require
