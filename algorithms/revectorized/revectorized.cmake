@@ -13,7 +13,7 @@ gnomon_algorithm(ssrbssm
     SHADERS revectorized/ssrbssm.frag
             revectorized/ssrbssm.frag:MAP_LAYERS=1:revectorized/ssrbssm_cube.frag)
 gnomon_shared(
-    SOURCES distance_penumbra.cpp distance_transform.cpp
+    SOURCES distance_penumbra.cpp
     SHADERS revectorized/distance_hard.frag
             revectorized/distance_hard.frag:MAP_LAYERS=1:revectorized/distance_hard_cube.frag
             revectorized/distance_columns.comp
