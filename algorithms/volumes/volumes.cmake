@@ -37,7 +37,7 @@ gnomon_algorithm(projected_planar
     SHADERS volumes/planar.vert volumes/planar_choose.comp volumes/planar_resolve.frag volumes/planar_tiles.comp)
 gnomon_algorithm(penumbra_wedges
     NEEDS openmesh
-    SOURCES penumbra_wedges.cpp wedge_draw.cpp
+    SOURCES penumbra_wedges.cpp
     SHADERS volumes/wedge.frag volumes/wedge.vert volumes/wedge_resolve.frag)
 gnomon_algorithm(multi_volume
     NEEDS openmesh
