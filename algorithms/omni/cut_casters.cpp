@@ -1,36 +1,11 @@
 #include "algorithms/omni/cut_casters.hpp"
 
-#include <algorithm>
 #include <cstring>
 
 #include "algorithms/shared/caster_lists.hpp"
 #include "runtime/passes/pass_context.hpp"
 
 namespace gnomon {
-
-namespace {
-// Cut meshes of lights that the method has not served for so many declarations are dropped.
-constexpr std::uint64_t kIdleCalls = 4096;
-} // namespace
-
-CasterCutter::Kept& CasterCutter::keptFor(std::uint32_t light, std::uint32_t group)
-{
-    ++calls_;
-    Kept* oldest = nullptr;
-    for (Kept& kept : kept_) {
-        if (kept.light == light && kept.group == group) {
-            kept.lastUsed = calls_;
-            return kept;
-        }
-        if (kept.lastUsed + kIdleCalls < calls_ && (!oldest || kept.lastUsed < oldest->lastUsed)) oldest = &kept;
-    }
-    if (!oldest) oldest = &kept_.emplace_back(Kept{.mesh = std::make_unique<FineMesh>()});
-    oldest->light = light;
-    oldest->group = group;
-    oldest->stamp = 0;
-    oldest->lastUsed = calls_;
-    return *oldest;
-}
 
 CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, std::span<const Caster* const> casters,
                                  std::uint32_t group, std::uint32_t resolution)
@@ -40,15 +15,15 @@ CutCasters CasterCutter::declare(PassBuilder& passes, const LightView& light, st
         if (!isFine(*caster, light, resolution)) coarse_.push_back(caster);
     if (coarse_.empty()) return {};
 
-    Kept& kept = keptFor(light.id, group);
+    Kept& kept = kept_.find(light.id, group);
     const float angle = maxEdgeAngle(resolution);
     const std::uint64_t stamp = Stamp().add(light.revision).add(angle).add(coarse_).value();
     if (kept.stamp != stamp) {
         kept.stamp = 0; // of half a mesh, should there be no memory for all of it
-        cutToAngle(coarse_, light, angle, *kept.mesh);
+        cutToAngle(coarse_, light, angle, kept.mesh);
         kept.stamp = stamp;
     }
-    const FineMesh* mesh = kept.mesh.get();
+    const FineMesh* mesh = &kept.mesh;
     const std::uint32_t variant = resolution * 2 + group;
     CutCasters cut;
     cut.closedIndices = mesh->closedIndices;

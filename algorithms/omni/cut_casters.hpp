@@ -2,11 +2,11 @@
 // Casters of a light for a projection that bends edges: fine ones are drawn as they are, coarse ones are cut on the CPU
 // and kept on the GPU until they or the light move.
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "algorithms/omni/tessellation.hpp"
+#include "algorithms/shared/light_cache.hpp"
 #include "runtime/passes/pass_builder.hpp"
 
 namespace gnomon {
@@ -33,16 +33,11 @@ public:
 
 private:
     struct Kept {
-        std::uint32_t light = 0, group = 0;
         std::uint64_t stamp = 0;
-        std::uint64_t lastUsed = 0; ///< In calls of declare().
-        std::unique_ptr<FineMesh> mesh;
+        FineMesh mesh;
     };
-    Kept& keptFor(std::uint32_t light, std::uint32_t group);
-
-    std::vector<Kept> kept_;
+    LightCache<Kept> kept_;             ///< By group.
     std::vector<const Caster*> coarse_; ///< Scratch.
-    std::uint64_t calls_ = 0;
 };
 
 } // namespace gnomon

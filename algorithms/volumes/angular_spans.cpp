@@ -13,6 +13,7 @@
 
 #include "algorithms/shared/caster_lists.hpp"
 #include "algorithms/shared/host_visibility.hpp"
+#include "algorithms/shared/light_cache.hpp"
 #include "algorithms/volumes/light_spans.hpp"
 
 namespace gnomon {
@@ -187,7 +188,7 @@ public:
     const char* refuses(const ShadowTask& task) const override;
 
 private:
-    LightSpansCache kept_;
+    LightCache<LightSpans> kept_;                   ///< By rows.
     const std::uint32_t instance_ = nextInstance(); ///< Methods of equal rows have tables of their own.
 };
 

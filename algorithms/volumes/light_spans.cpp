@@ -9,9 +9,6 @@ namespace gnomon {
 
 namespace {
 
-// Lights not asked for in this many questions are forgotten: some hundred frames of many lights.
-constexpr std::uint64_t kForgetAfter = 4096;
-
 constexpr std::size_t kScratchBlock = 1u << 16; // a box at 300 rows takes some 50 kB
 
 } // namespace
@@ -99,23 +96,6 @@ std::size_t LightSpans::memoryBytes() const
             sum += sizeof(Entry) + entry->spans.memoryBytes();
     }
     return sum;
-}
-
-LightSpans& LightSpansCache::find(std::uint32_t light, std::uint32_t rows)
-{
-    ++asked_;
-    const auto found = std::find_if(kept_.begin(), kept_.end(), [&](const std::unique_ptr<Kept>& kept) {
-        return kept->light == light && kept->rows == rows;
-    });
-    Kept* kept = found != kept_.end() ? found->get() : nullptr;
-    if (!kept) {
-        std::erase_if(kept_, [&](const std::unique_ptr<Kept>& old) { return old->used + kForgetAfter < asked_; });
-        kept = kept_.emplace_back(std::make_unique<Kept>()).get();
-        kept->light = light;
-        kept->rows = rows;
-    }
-    kept->used = asked_;
-    return kept->spans;
 }
 
 } // namespace gnomon

@@ -45,19 +45,4 @@ private:
     std::vector<std::unique_ptr<FrameArena>> scratch_;
 };
 
-/// Finds a light's tables again. One thread; what it gives stays in place while it is asked for.
-class LightSpansCache {
-public:
-    LightSpans& find(std::uint32_t light, std::uint32_t rows);
-
-private:
-    struct Kept {
-        std::uint32_t light = 0, rows = 0;
-        std::uint64_t used = 0;
-        LightSpans spans;
-    };
-    std::vector<std::unique_ptr<Kept>> kept_;
-    std::uint64_t asked_ = 0;
-};
-
 } // namespace gnomon

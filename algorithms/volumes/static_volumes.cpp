@@ -16,9 +16,6 @@ namespace {
 // take tens of milliseconds in the frame in which something changes, and small ones conceal little.
 constexpr std::size_t kMostConcealers = 64;
 
-// Entries not asked for in this many questions are forgotten: some hundred frames of many lights.
-constexpr std::uint64_t kForgetAfter = 4096;
-
 /// How large a box looks from the light: squared size over squared distance.
 float prominence(const Aabb& box, const LightView& light)
 {
@@ -95,26 +92,14 @@ const StaticVolumes& StaticVolumesCache::find(const LightView& light, std::span<
     stamp.add(light.revision);
     for (const VolumeSource& volume : volumes)
         stamp.add(*volume.caster).add(std::uint64_t{volume.cluster});
-
-    ++asked_;
-    const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const std::unique_ptr<Entry>& entry) {
-        return entry->light == light.id && entry->conceal == conceal;
-    });
-    Entry* entry = found != entries_.end() ? found->get() : nullptr;
-    if (!entry) {
-        std::erase_if(entries_, [&](const std::unique_ptr<Entry>& old) { return old->used + kForgetAfter < asked_; });
-        entry = entries_.emplace_back(std::make_unique<Entry>()).get();
-        entry->light = light.id;
-        entry->conceal = conceal;
-    }
-    entry->used = asked_;
-    if (entry->volumes.stamp != stamp.value()) {
-        entry->volumes.stamp = 0; // of half of them, should this fail
-        chooseVolumes(light, volumes, conceal, entry->volumes);
-        entry->volumes.stamp = stamp.value();
+    StaticVolumes& found = kept_.find(light.id, conceal ? 1 : 0);
+    if (found.stamp != stamp.value()) {
+        found.stamp = 0; // of half of them, should this fail
+        chooseVolumes(light, volumes, conceal, found);
+        found.stamp = stamp.value();
         ++built_;
     }
-    return entry->volumes;
+    return found;
 }
 
 } // namespace gnomon

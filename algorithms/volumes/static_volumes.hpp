@@ -2,10 +2,10 @@
 // What is worked out once for a light and casters that both stand still: which volumes others conceal, an octree over
 // the rest, and where some of their shadows must be. Plain CPU code without Vulkan.
 #include <cstdint>
-#include <memory>
 #include <span>
 #include <vector>
 
+#include "algorithms/shared/light_cache.hpp"
 #include "algorithms/volumes/shadow_region.hpp"
 #include "algorithms/volumes/volume_tree.hpp"
 
@@ -38,14 +38,8 @@ public:
     std::uint64_t built() const { return built_; } ///< How often anything was worked out.
 
 private:
-    struct Entry {
-        std::uint32_t light = 0;
-        bool conceal = false;
-        std::uint64_t used = 0;
-        StaticVolumes volumes;
-    };
-    std::vector<std::unique_ptr<Entry>> entries_;
-    std::uint64_t asked_ = 0, built_ = 0;
+    LightCache<StaticVolumes> kept_; ///< By `conceal`.
+    std::uint64_t built_ = 0;
 };
 
 } // namespace gnomon

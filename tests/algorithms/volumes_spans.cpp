@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "algorithms/shared/light_cache.hpp"
 #include "algorithms/volumes/light_spans.hpp"
 #include "tests/algorithms/volume_meshes.hpp"
 
@@ -332,12 +333,23 @@ TEST_CASE("tables are kept: a caster that moved has its own made again, a light 
     casters.resize(1);                       // and of what left, no more is kept than there is
     CHECK(spans.update(light, casters, 200, jobs, arena) == 0);
     CHECK(spans.memoryBytes() < all);
+}
 
-    LightSpansCache cache;
-    LightSpans* first = &cache.find(1, 100);
+TEST_CASE("what is kept for a light stays in place while it is asked for, and is made again once it is forgotten")
+{
+    LightCache<int> cache;
+    int* first = &cache.find(1, 100);
+    *first = 7;
     CHECK(&cache.find(2, 100) != first);
     CHECK(&cache.find(1, 200) != first);
     CHECK(&cache.find(1, 100) == first);
+    for (int i = 0; i < 5000; ++i) // more than it remembers anything for, and nothing new comes
+        cache.find(2, 100);
+    CHECK(cache.find(1, 100) == 7);
+    for (int i = 0; i < 5000; ++i)
+        cache.find(2, 100);
+    cache.find(3, 100); // in whose favour it goes
+    CHECK(cache.find(1, 100) == 0);
 }
 
 TEST_CASE("a table takes 4 bytes a row, 24 a span, 16 a piece and 16 a face, as its page says")
