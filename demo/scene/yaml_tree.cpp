@@ -11,6 +11,7 @@ namespace {
 
 // A scene needs five levels. The library recurses per level, so this bounds the stack, too.
 constexpr size_t kDeepest = 32;
+constexpr const char* kTooDeep = "nested too deeply";
 
 struct TreeError {
     YAML::Mark mark;
@@ -86,7 +87,7 @@ private:
 
     void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, YamlNode::Kind kind)
     {
-        if (path_.size() >= kDeepest) throw TreeError{mark, "nested too deeply"};
+        if (path_.size() >= kDeepest) throw TreeError{mark, kTooDeep};
         // Pointers into children stay valid: a vector grows only while none of its elements is open.
         path_.push_back(&add(mark, tag, anchor, kind, {}));
     }
@@ -100,6 +101,43 @@ std::string atMark(const std::string& file, const YAML::Mark& mark, const std::s
     // The library knows no place for some errors and says -1.
     const int line = mark.line < 0 ? 0 : mark.line, column = mark.column < 0 ? 0 : mark.column;
     return positioned(file, static_cast<uint32_t>(line) + 1, static_cast<uint32_t>(column) + 1, message);
+}
+
+/// The text up to a bracket that may open one level too many, and then closed; empty where there is none. Brackets in
+/// quotes and comments count here as well.
+std::string untilTooDeep(std::string_view text)
+{
+    std::string open;
+    for (size_t i = 0; i < text.size(); ++i) {
+        if ((text[i] == ']' || text[i] == '}') && !open.empty()) open.pop_back();
+        if (text[i] != '[' && text[i] != '{') continue;
+        open += text[i] == '[' ? ']' : '}';
+        if (open.size() > kDeepest) return std::string(text.substr(0, i + 1)).append(open.rbegin(), open.rend());
+    }
+    return {};
+}
+
+Outcome<YamlNode> parsed(std::string_view text, const std::string& file)
+{
+    TreeBuilder builder;
+    try {
+        std::istringstream stream{std::string(text)};
+        YAML::Parser parser(stream);
+        if (!parser.HandleNextDocument(builder))
+            return Outcome<YamlNode>::failure(positioned(file, 1, 1, "the file is empty"));
+        YamlNode root = builder.takeRoot();
+        TreeBuilder second;
+        if (parser.HandleNextDocument(second)) {
+            const YamlNode other = second.takeRoot();
+            return Outcome<YamlNode>::failure(
+                positioned(file, other.line, other.column, "only one document is allowed in a file"));
+        }
+        return root;
+    } catch (const TreeError& error) {
+        return Outcome<YamlNode>::failure(atMark(file, error.mark, error.message));
+    } catch (const YAML::Exception& error) {
+        return Outcome<YamlNode>::failure(atMark(file, error.mark, error.msg));
+    }
 }
 
 } // namespace
@@ -126,25 +164,12 @@ std::string positioned(const std::string& file, uint32_t line, uint32_t column, 
 
 Outcome<YamlNode> parseYaml(std::string_view text, const std::string& file)
 {
-    TreeBuilder builder;
-    try {
-        std::istringstream stream{std::string(text)};
-        YAML::Parser parser(stream);
-        if (!parser.HandleNextDocument(builder))
-            return Outcome<YamlNode>::failure(positioned(file, 1, 1, "the file is empty"));
-        YamlNode root = builder.takeRoot();
-        TreeBuilder second;
-        if (parser.HandleNextDocument(second)) {
-            const YamlNode other = second.takeRoot();
-            return Outcome<YamlNode>::failure(
-                positioned(file, other.line, other.column, "only one document is allowed in a file"));
-        }
-        return root;
-    } catch (const TreeError& error) {
-        return Outcome<YamlNode>::failure(atMark(file, error.mark, error.message));
-    } catch (const YAML::Exception& error) {
-        return Outcome<YamlNode>::failure(atMark(file, error.mark, error.msg));
+    // The library reads a line of brackets to its end before it reports the first one.
+    if (const std::string start = untilTooDeep(text); !start.empty()) {
+        Outcome<YamlNode> refused = parsed(start, file);
+        if (!refused && refused.error().ends_with(kTooDeep)) return refused;
     }
+    return parsed(text, file);
 }
 
 } // namespace gnomon::demo

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <clocale>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <locale>
@@ -192,6 +193,19 @@ TEST_CASE("every malformed scene is refused with file, line, column and reason")
         checkError(bad.text, bad.error);
     for (const Malformed& bad : kMalformedCameras)
         checkError(bad.text, bad.error);
+}
+
+TEST_CASE("ten megabytes of brackets are refused in a tenth of a second, and brackets in a text are no levels")
+{
+    const std::string brackets = "meshes: " + std::string(10'000'000, '[');
+    const std::clock_t begin = std::clock();
+    const auto refused = parseScene(brackets, "deep.yaml");
+    CHECK(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC < 0.1);
+    CHECK((!refused && refused.error() == "deep.yaml:1:40: nested too deeply"));
+    checkError("meshes: {a: [{b: " + std::string(30, '[') + "#\n", "1:46: nested too deeply");
+    const auto scene = parseScene("description: \"" + std::string(40, '[') + "\"\n" + kCamera, "text.yaml");
+    REQUIRE(scene);
+    CHECK(scene->description.size() == 40);
 }
 
 TEST_CASE("an error in a base names the base's file")
