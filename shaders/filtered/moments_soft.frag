@@ -21,6 +21,7 @@ layout(location = 0) out float visibility;
 
 #include "../shared/agreement.glsl"
 #include "../shared/filter.glsl"
+#include "../shared/horizon.glsl"
 
 // Sums of all texels before these.
 uvec4 summedBefore(uint x, uint y, float layer)
@@ -59,5 +60,6 @@ void main()
     }
     lit = radius > 0.0 ? withoutBleeding(lit, bleeding) : nearestVisibility(tap, tap.at);
     bool beside = !positional && !texelExists(tap, tap.at);
-    visibility = r.decided ? r.visibility : beside ? 1.0 : lit;
+    float above = HAS_NORMALS ? shareAbove(constants.map, r, radius) : 1.0;
+    visibility = r.decided ? r.visibility : (beside ? 1.0 : lit) * above;
 }

@@ -42,6 +42,6 @@ void main()
     visibility = r.visibility;
     if (!r.decided)
         visibility = softVisibility(lightCone(constants.map, tap, mapDepth(constants.map, clip)), uint(layer), reason) *
-                     (HAS_NORMALS ? shareAbove(constants.map, r) : 1.0);
+                     (HAS_NORMALS ? shareAbove(constants.map, r, disc.radius) : 1.0);
     if (reasons != 0u) visibility = float(reason) / 255.0;
 }

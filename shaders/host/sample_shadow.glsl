@@ -256,9 +256,9 @@ float gn_sampleShadowSoft(uint light, vec3 position, vec3 normal)
 #endif
     LightCone cone = lightCone(look, tap, mapDepth(look, clip));
     Blockers found = blockersIn(cone, gnomonShadowSpread(cone, look.side, direction), direction);
-    if (found.count <= 0.0) return shareAbove(look, r);
+    if (found.count <= 0.0) return shareAbove(look, r, disc.radius);
     float spread = max(spreadAt(cone, found.mean), 0.5); // the edge of a map is not sharper than half a texel
-    return discVisibility(cone, spread, direction, uint(GNOMON_SHADOW_SOFT)) * shareAbove(look, r);
+    return discVisibility(cone, spread, direction, uint(GNOMON_SHADOW_SOFT)) * shareAbove(look, r, disc.radius);
 }
 #endif
 

@@ -60,5 +60,5 @@ void main()
     visibility = r.visibility;
     if (!r.decided)
         visibility = softVisibility(lightCone(constants.map, tap, mapDepth(constants.map, clip)), uint(layer)) *
-                     (HAS_NORMALS ? shareAbove(constants.map, r) : 1.0);
+                     (HAS_NORMALS ? shareAbove(constants.map, r, disc.radius) : 1.0);
 }

@@ -5,6 +5,7 @@
 #define GNOMON_SHARED_LIGHT_CONE_GLSL
 #include "blocker_search.h"
 #include "disc_points.glsl"
+#include "horizon.glsl"
 
 // The cone from a receiver to the light's disc, as the map shows it. At a depth nearer to the light by D it is an
 // ellipse of texels about the receiver's own place: reach D wide across, and longer along the line to the map's middle,
@@ -70,15 +71,5 @@ Blockers blockersIn(LightCone cone, float spread, vec2 direction)
     }
     found.mean /= max(found.count, 1.0);
     return found;
-}
-
-// Share of the disc above the receiver's own plane, which a map does not know to hide anything.
-float shareAbove(MapLookup look, PlaneReceiver r)
-{
-    float distance = look.positional != 0.0 ? length(r.fromLight) : length(look.axisWs.xyz);
-    float cosine = clamp(-r.facing / max(distance, 1e-30), 0.0, 1.0);
-    float across = disc.radius * sqrt(1.0 - cosine * cosine) / (look.positional != 0.0 ? max(distance, 1e-30) : 1.0);
-    float height = min(cosine / max(across, 1e-30), 1.0); // of the centre over the plane, in radii of the disc there
-    return 1.0 - (acos(height) - height * sqrt(1.0 - height * height)) / 3.14159265;
 }
 #endif

@@ -59,5 +59,5 @@ void main()
     LightCone cone = lightCone(constants.map, tap, mapDepth(constants.map, clip));
     float texelWs = disc.texelWs * (constants.map.positional != 0.0 ? clip.w : 1.0);
     seen.xy = hardAndWidth(cone, uint(layer), texelWs, r.w * constants.view.pixelSize);
-    if (HAS_NORMALS) seen.z = shareAbove(constants.map, r);
+    if (HAS_NORMALS) seen.z = shareAbove(constants.map, r, disc.radius);
 }

@@ -55,6 +55,22 @@ TEST_CASE("penumbrae of moments_soft are nearer to the truth than hard edges, fo
     }
 }
 
+// The disc's centre is 0.4 radii above the floor: a quarter of the disc is below, its circle's segment.
+TEST_CASE("what of a disc is below the receiver's own plane does not shine, in moments_soft as in pcss")
+{
+    const test::DeviceTest silence;
+    Scene scene = softScene(Caster::box, LightKind::Spot, 5.0, 0.25f);
+    scene.lights[0].position = {-2.0, 0.1, 0.0};
+    scene.lights[0].direction = {1.0, 0.0, 0.0};
+    Stage stage(std::move(scene), {80, 60});
+    const std::vector<SoftTruth> truths = tracedSoftTruths(stage, kSamples);
+    for (const Pictures& pictures : {soft(stage, 0.0), soft(stage, 1.0), stage.draw("pcss")}) {
+        const SoftError error = compareSoft(pictures, truths);
+        CHECK(error.penumbra.pixels > 500);
+        CHECK(error.mean() <= 0.05);
+    }
+}
+
 // Deep in the umbra: within three pixels there is nothing else.
 TEST_CASE("under three layers four moments leak less than two")
 {
