@@ -39,7 +39,7 @@ void markSampled(const Host& host, size_t light, bool sampled = true)
 
 /// A spot, a bulb and the sun over the small scene, and what every pixel of the view shows.
 struct Sampled {
-    explicit Sampled(float radius = 0.0f, const HostOptions& options = {.extent = kExtent})
+    explicit Sampled(float radius = 0.0f, const HostOptions& options = {.extent = kExtent, .mapSide = 1024.0})
         : host(targetScene(demo::DepthConvention::ReversedInfinite, radius), options),
           view(bruteView(host, lensesFor(demo::DepthConvention::ReversedInfinite)[0], 0.0)),
           triangles(bruteTriangles(host))

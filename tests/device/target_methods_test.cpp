@@ -11,6 +11,7 @@ namespace {
 
 constexpr demo::DepthConvention kConventions[] = {demo::DepthConvention::ReversedInfinite,
                                                   demo::DepthConvention::Standard};
+constexpr double kMapSide = 1024.0; // bounds on wrong pixels are those of such maps
 
 /// What ray_traced says through a lens, per light, and the pixels that are held against it: not the insides of solids
 /// that an oblique near plane opens, which are lit by methods that draw the far sides of solids alone (frames.h).
@@ -102,7 +103,7 @@ void checkMethod(Host& host, const GnMethodInfo& method, const std::vector<Truth
 TEST_CASE_FIXTURE(DeviceTest, "the rules choose for orthographic cameras, and what they choose shows the truth")
 {
     const Lens lens = lensesFor(demo::DepthConvention::ReversedInfinite)[4];
-    Host host(targetScene(demo::DepthConvention::ReversedInfinite));
+    Host host(targetScene(demo::DepthConvention::ReversedInfinite), {.mapSide = kMapSide});
     host.pinAll("ray_traced");
     const Truth truth = truthOf(host, lens, 0.0);
     REQUIRE(gnLoadShippedRules(host.context, "default") == GN_SUCCESS);
@@ -141,7 +142,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a lamp in a crate lights nothing outside, seen by
             scene.lights = {scene.lights[1]};
             scene.instances.push_back({.name = "crate", .mesh = uint32_t(scene.meshes.size() - 1)});
             scene.instances.back().pose.position = scene.lights[0].position + glm::dvec3(0.1, 0.2, -0.15);
-            Host host(scene);
+            Host host(scene, {.mapSide = kMapSide});
             host.pinAll("ray_traced");
             const Truth truth = truthOf(host, lensesFor(convention)[4], 0.0);
             CHECK(dark(truth.pictures[0]) > 1000);
@@ -161,7 +162,7 @@ TEST_CASE_FIXTURE(DeviceTest, "every method shows the truth with every depth for
         for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_D16_UNORM}) {
             CAPTURE(static_cast<int>(format));
             if (!drawable(format)) continue;
-            Host host(targetScene(convention), {.target = {.depth = format}});
+            Host host(targetScene(convention), {.target = {.depth = format}, .mapSide = kMapSide});
             std::vector<Lens> lenses = lensesFor(convention);
             if (format != VK_FORMAT_D32_SFLOAT) lenses.resize(1);
             std::vector<Truth> truths;

@@ -473,6 +473,7 @@ private:
             "chosen",          "cannot serve",         "not ready",       "another one is pinned", "vetoed",
             "no rule speaks",  "below the near floor", "over the budget", "held back",             "suits less",
             "takes longer for no more"};
+        static_assert(std::size(words) == GN_ELIMINATION_PRICE + 1);
         return size_t(elimination) < std::size(words) ? words[elimination] : "unknown to this header";
     }
 
