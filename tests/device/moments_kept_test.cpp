@@ -17,7 +17,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a caster that moves the far end of a lamp's maps 
         scene.lights = {lamp};
         scene.instances[kBall].isStatic = false;
         scene.instances[kBall].pose.position = {-10.0, 1.6, 0.0}; // in one face alone, not the floor's
-        Host host(scene);
+        Host host(scene, {.mapSide = 1024.0});                    // finer texels leave more of the umbra
         host.pinAll(method);
         host.require(host.draw());
         REQUIRE(std::string(host.decision(0).pMethod) == method);
@@ -25,7 +25,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a caster that moves the far end of a lamp's maps 
         CHECK(dark(before[0]) > 50); // where a penumbra has an umbra
         host.scene.instances[kBall].pose.position.x = -18.0;
         host.require(host.draw());
-        Host fresh(host.scene);
+        Host fresh(host.scene, {.mapSide = 1024.0});
         fresh.pinAll(method);
         fresh.require(fresh.draw());
         CHECK(differences(host.pictures(), fresh.pictures()) == 0);

@@ -88,6 +88,7 @@ struct Drawn {
                    const std::vector<Setting>& settings = {})
         : host(scene, books.options(std::move(options)))
     {
+        host.fixMapSides(4096.0); // those of toldBytes()
         host.pinAll(method);
         for (const Setting& setting : settings)
             host.require(gnSetMethodSetting(host.context, method, setting.name, setting.value));
