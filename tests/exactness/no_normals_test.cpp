@@ -14,7 +14,7 @@ constexpr VkExtent2D kSize{640, 360};
 /// out.
 class BareHost {
 public:
-    explicit BareHost(const Scene& scene) : host_(scene, {.extent = kSize}) {}
+    explicit BareHost(const Scene& scene) : host_(scene, {.extent = kSize, .mapSide = 1024.0}) {}
 
     Pictures draw(const GnMethodInfo& method, bool normals)
     {

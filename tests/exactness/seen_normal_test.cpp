@@ -96,7 +96,7 @@ TEST_CASE("a row or a column of pixels without normals is as lit as with them")
     for (int32_t x = 0; x < 320; x += 31)
         strips.push_back({{x, 0}, {1, 180}});
     for (const auto convention : {DepthConvention::ReversedInfinite, DepthConvention::Standard}) {
-        Host host(sceneOf(convention), {.extent = kImage});
+        Host host(sceneOf(convention), {.extent = kImage, .mapSide = 1024.0});
         // One method after the other: a light whose method changes makes its maps and buffers again.
         const auto eachShown = [&](const char* method, bool normals) {
             std::vector<Image8> pictures;
@@ -137,7 +137,7 @@ TEST_CASE("poles one pixel wide do not shadow themselves without normals, and ex
             }
             if (directional) scene.lights = {sun({-0.6, -0.7, -0.4})};
             const Stage stage(scene, kImage);
-            Host host(scene, {.extent = kImage});
+            Host host(scene, {.extent = kImage, .mapSide = 1024.0});
             const Image8 traced = shown(host, "ray_traced", false);
             // Of what faces the light: of poles that turn their edge to it, either side of it may be seen.
             const std::vector<uint8_t>& facing = stage.counted[0];
@@ -169,7 +169,7 @@ TEST_CASE("no light falls through an open sheet that is seen from its dark side 
             scene.instances[0].isStatic = true;
             scene.lights = {directional ? sun({0.3, -1.0, 0.2}) : test::pointLight("bulb", {0.3, 6.0, 0.2}, true)};
             scene.camera = {demo::CameraKey{.eye = {0.0, 1.0, 4.0}, .target = {0.0, 3.0, -1.0}}};
-            Host host(scene, {.extent = {160, 90}});
+            Host host(scene, {.extent = {160, 90}, .mapSide = 1024.0});
             const Image8 given = shown(host, "ray_traced", true);
             CHECK(test::dark(given) > 10000);
             for (const char* method : {"ray_traced", kExact[0], kExact[1], kExact[2], "stencil_volume", "pcf_hybrid",
