@@ -354,10 +354,11 @@ TEST_CASE_FIXTURE(DeviceTest, "with hardly any memory the frame is lit or refuse
 TEST_CASE_FIXTURE(DeviceTest,
                   "a megabyte is enough for a small view with a small map, also after a map that did not fit")
 {
-    Host host(smallScene(),
-              {.extent = {160, 90}, .maxLights = 1, .warmUp = false, .context = [](GnContextCreateInfo& info) {
-                   info.memoryLimit = 1u << 20;
-               }});
+    Host host(smallScene(), {.extent = {160, 90},
+                             .maxLights = 1,
+                             .warmUp = false,
+                             .mapSide = 1024.0,
+                             .context = [](GnContextCreateInfo& info) { info.memoryLimit = 1u << 20; }});
     host.require(gnWarmUpMethod(host.context, "shadow_map"));
     host.pin(0, "shadow_map"); // 4 MiB
     host.draw(3, {});
