@@ -181,8 +181,8 @@ Comparison compareEntry(const Device& device, bool recorded)
     comparison.choices = listChoices(chosen.reports().back().choices);
     if (const PinnedMethod* pBest = comparison.best()) {
         comparison.kept = runBudget(device, options, *pBest, kBudgetFactor);
-        // What other programs take of the processors is only ever added: the better of up to three runs counts.
-        for (int again = 0; again < 2 && comparison.kept.framesOver > 1; ++again) {
+        // What other programs take of the processors is only ever added: the best of up to five runs counts.
+        for (int again = 0; again < 4 && comparison.kept.framesOver > 1; ++again) {
             const BudgetRun other = runBudget(device, options, *pBest, kBudgetFactor);
             if (other.framesOver < comparison.kept.framesOver) comparison.kept = other;
         }
