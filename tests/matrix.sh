@@ -2,7 +2,8 @@
 # What takes too long for every push: both compilers with warnings as errors, the sanitizers, the smallest build,
 # clang-tidy over the sources, the reference of the API. Names as arguments select rows: tests/matrix.sh clang tsan.
 # Compilers and sanitizers run the unit tests and `core`, which draws every method's passes: tests/run.sh has run the
-# others, and a sanitizer takes three to eight times as long. MATRIX_LABELS=. runs all tests in all rows (a day on two
+# others, and a sanitizer takes three to eight times as long. The row `full` runs every test under the validation layer,
+# and exactness in pictures of 1280x720, not 640x360. MATRIX_LABELS=. runs all tests in all rows (a day on two
 # cores); another expression runs what bears a label that it matches. The row `fuzz` searches ten minutes per reader;
 # YAML_CPP_SOURCES may name an unpacked source of yaml-cpp, to count coverage inside it too.
 set -uo pipefail
@@ -28,6 +29,7 @@ build_and_test() {
     build_target && ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel 2 \
         -L "${MATRIX_LABELS:-$labels}"
 }
+test_fully() { GNOMON_TEST_FULL=1 build_and_test; }
 build_docs() { build_target --target docs; }
 # Every source of the library and the programs that is compiled here. The build makes the headers of the shaders.
 check_sources() {
@@ -42,6 +44,7 @@ check_sources() {
 
 # name | preset | further cmake arguments | step | labels of the tests
 rows=(
+    "full|release||test_fully|."
     "gcc|dev|-DCMAKE_C_COMPILER=gcc -DCMAKE_CXX_COMPILER=g++|build_and_test|^(unit|core)$"
     "clang|dev|-DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++|build_and_test|^(unit|core)$"
     "asan|asan||build_and_test|^(unit|core)$"

@@ -12,7 +12,7 @@ using namespace gnomon::test;
 namespace {
 
 constexpr size_t kBall = 1, kBox = 2;
-constexpr uint32_t kFrames = 60;
+constexpr uint32_t kFrames = 30;
 
 GnMesh createMesh(GnContext context, const demo::Mesh& mesh)
 {
@@ -109,7 +109,7 @@ void churn(const GnMethodInfo& method, Expected& expected)
         const bool drop = recordable && frame % 3 == 2;
         host.require(host.draw({.call = recordable ? Call::record : Call::submit, .drop = drop}));
         REQUIRE(host.decision(0).reason == GN_REASON_PINNED);
-        if (!drop && frame % 30 == 29) {
+        if (frame % 15 == 13) { // of every third, none of those that are dropped
             const std::vector<Image8> pictures = host.pictures();
             CHECK(dark(pictures[0]) > 50);
             CHECK(differences(pictures, expected(method, frame)) == 0);
@@ -122,7 +122,7 @@ void churn(const GnMethodInfo& method, Expected& expected)
 
 TEST_CASE_FIXTURE(
     DeviceTest,
-    "60 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
+    "30 frames of destroyed meshes, rewritten positions, new sizes and dropped buffers show the right shadows")
 {
     const Host known(smallScene(), {.warmUp = false});
     Expected expected;

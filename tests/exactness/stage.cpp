@@ -98,8 +98,7 @@ Pictures Stage::draw(const std::string& method, const Settings& settings)
 
 VkExtent2D testSize()
 {
-    const char* wanted = std::getenv("GNOMON_TEST_SIZE");
-    return wanted ? valueOf(parseSize(wanted)) : VkExtent2D{1280, 720};
+    return std::getenv("GNOMON_TEST_FULL") ? VkExtent2D{1280, 720} : VkExtent2D{640, 360};
 }
 
 Scene shippedScene(const std::string& name)

@@ -66,7 +66,7 @@ private:
     std::set<std::string> warm_;
 };
 
-/// 1280x720, for which the bounds are meant, unless $GNOMON_TEST_SIZE says otherwise.
+/// 640x360; 1280x720, for which the bounds are meant, where $GNOMON_TEST_FULL is set (tests/matrix.sh full).
 VkExtent2D testSize();
 
 /// Shipped by name; fails the test where it cannot be loaded.
