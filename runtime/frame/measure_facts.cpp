@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "runtime/scene/light_pixels.hpp"
@@ -79,6 +80,23 @@ void measureDistance(const DepthGrid& grid, const LightView& light, const LightC
                                  .maps = mapsOf(light.type)});
 }
 
+/// Until receivers are measured they count as far from the light as from the eye. A directional light is at no
+/// distance, nor is anything to an orthographic eye: pixels alone limit the side then, and texels count as wide as
+/// usual.
+void guessSide(const CameraView& view, const LightView& light, const LightCasters& casters, LightMemory& memory)
+{
+    const double pixelAngle = double{pixelAngleOf(view)}, width = mapWidth(light, casters);
+    const bool placed = light.type != GN_LIGHT_TYPE_DIRECTIONAL && !gpu::isOrthographic(view.constants);
+    if (placed) memory.texelPixels = static_cast<float>(width / (pixelAngle * kUnmeasuredSide));
+    const VkExtent2D drawn = view.area.extent;
+    const double wish = sideFor({.texelAtOne = width,
+                                 .nearness = placed ? 1.0 : std::numeric_limits<double>::max(),
+                                 .pixelAngle = pixelAngle,
+                                 .pixels = guessedShare(view, light) * drawn.width * drawn.height,
+                                 .maps = mapsOf(light.type)});
+    memory.wishedSide = std::min(wish, double{kUnmeasuredSide});
+}
+
 /// In a light's first frame only what the host calls static is known to rest. A map that is kept would be the cheapest
 /// for all others, too, and drawn for nothing where they move.
 bool isStill(const LightView& light, const LightCasters& casters, const MotionHistory& motion)
@@ -101,6 +119,7 @@ void measureView(Frame& frame, std::uint32_t index, const GnViewFrame& given, co
         state.lastFrame = frame.number;
         LightMemory& memory = view.lights[light.id];
         measureDistance(*view.grid, light, casters, memory, frame.number);
+        if (parts.measuresGrids && !memory.measured) guessSide(view.camera, light, casters, memory);
         const VkDeviceSize limit = parts.memory.limit();
         frame.lights.push_back({.viewIndex = index,
                                 .layer = i,
@@ -191,7 +210,7 @@ void settleSides(Frame& frame, const FactsParts& parts)
         LightState& state = *light.state;
         if (std::exchange(state.sideFrame, frame.number) == frame.number) continue; // another view had it
         state.mapSide.follow(state.wishedSide, !state.sideKnown);
-        state.sideKnown |= state.wishedSide > 0.0;
+        state.sideKnown |= light.memory->measured && state.wishedSide > 0.0;
         if (state.maps.drawn && light.memory->incumbent < parts.methods.size())
             held += state.maps.bytes(state.mapSide.side());
         requests[count++] = state.maps;

@@ -331,8 +331,8 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
             lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
         }
         Coarseness coarseness;
+        if (memory.texelPixels > 0.0f) coarseness.texels = double{memory.texelPixels} / kUsualTexelPixels;
         if (memory.measured) {
-            coarseness.texels = double{memory.texelPixels} / kUsualTexelPixels;
             coarseness.outlines = std::max(double{memory.outlines.get()} / kUsualOutlines, 1.0);
             if (memory.workload.softPixels > 0.0)
                 coarseness.hardEdges = penumbraPercent(double{memory.penumbraPixels.get()}, request.height);

@@ -11,7 +11,7 @@ namespace gnomon {
 
 /// Texels per side, each twice the one before.
 inline constexpr std::array<std::uint32_t, 6> kMapSides{128, 256, 512, 1024, 2048, 4096};
-/// Where nothing is known of the receivers.
+/// Where nothing is known of the receivers; of what is guessed of them the most.
 inline constexpr std::uint32_t kUnmeasuredSide = 1024;
 
 /// Place in kMapSides of one of them.

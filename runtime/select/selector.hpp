@@ -127,9 +127,9 @@ struct LightMemory {
     std::uint32_t incumbent = UINT32_MAX;
     float distance = 0.0f;      ///< Measured; valid if `measured`.
     float planarity = 0.0f;     ///< Likewise.
-    float texelPixels = 0.0f;   ///< Across a texel of a plain map of 1024, on average; likewise.
+    float texelPixels = 0.0f;   ///< Across a texel of a plain map of 1024, on average; at first a guess, 0: none.
     double mapWidth = 0.0;      ///< Metres, mapWidth(); 0: not asked for yet.
-    double wishedSide = 0.0;    ///< sideFor(); 0: no receiver is visible, or none was looked for.
+    double wishedSide = 0.0;    ///< sideFor(), at first a guess; 0: no receiver is visible, or none was looked for.
     std::uint32_t nearSide = 0; ///< Where a map suits best within the near floor: the least side that reaches it.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.

@@ -104,7 +104,7 @@ TEST_CASE(
         CAPTURE(name);
         const SceneResults& results = resultsOf(name);
         const ErrorCount error = printed(results, "stencil_volume");
-        CHECK(wrongPercent(error) <= (isStandardDepth(results) ? 0.04 : 0.005));
+        CHECK(wrongPercent(error) <= edgePercent(isStandardDepth(results) ? 0.04 : 0.005));
         for (const char* method : {"octree_volume", "all_edges_volume"}) {
             const ErrorCount same = printed(results, method);
             CHECK(same.wrong() == error.wrong());

@@ -37,7 +37,7 @@ uint32_t checkExactMethods(Stage& stage)
         ++methods;
         CAPTURE(method);
         const FrameError now = errorOf(stage, method);
-        CHECK(now.error.percent(now.error.wrong()) <= (standard ? 0.04 : 0.005));
+        CHECK(now.error.percent(now.error.wrong()) <= edgePercent(standard ? 0.04 : 0.005));
         if (!standard) CHECK(now.clear <= 2);
     }
     return methods;
@@ -80,7 +80,7 @@ TEST_CASE("solids of an open mesh cast with both sides, from within and turned i
                 CAPTURE(method);
                 CAPTURE(zFail);
                 const FrameError now = errorOf(stage, method, {{"z_fail", zFail}});
-                CHECK(now.error.percent(now.error.wrong()) <= 0.005);
+                CHECK(now.error.percent(now.error.wrong()) <= edgePercent(0.005));
                 CHECK(now.clear <= 2);
             }
         }
@@ -99,7 +99,7 @@ TEST_CASE("stencil_volume is clearly wrong on at most two pixels of a frame with
             demo::limitLights(scene, lights);
             Stage stage(scene, testSize());
             const FrameError now = errorOf(stage, "stencil_volume");
-            CHECK(now.error.percent(now.error.wrong()) <= 0.005);
+            CHECK(now.error.percent(now.error.wrong()) <= edgePercent(0.005));
             CHECK(now.clear <= 2);
         }
     }

@@ -101,6 +101,11 @@ VkExtent2D testSize()
     return std::getenv("GNOMON_TEST_FULL") ? VkExtent2D{1280, 720} : VkExtent2D{640, 360};
 }
 
+double edgePercent(double at1280)
+{
+    return at1280 * 1280.0 / testSize().width;
+}
+
 Scene shippedScene(const std::string& name)
 {
     return valueOf(loadScene(name));

@@ -68,6 +68,8 @@ private:
 
 /// 640x360; 1280x720, for which the bounds are meant, where $GNOMON_TEST_FULL is set (tests/matrix.sh full).
 VkExtent2D testSize();
+/// What a bound on wrong pixels along edges comes to in such pictures: half the width has twice the share of them.
+double edgePercent(double at1280);
 
 /// Shipped by name; fails the test where it cannot be loaded.
 Scene shippedScene(const std::string& name);
