@@ -36,7 +36,8 @@ struct BudgetRun {
 struct Comparison {
     std::vector<PinnedMethod> pinned; ///< Some of those that can serve, cheapest first.
     std::vector<double> defaultMediansMs;
-    double firstFrameMs = 0.0;        ///< Of the default, after gnWarmUp().
+    double firstFrameMs = 0.0;  ///< Of the default, after gnWarmUp(): its shadows, or the call if that took longer.
+    double steadyFrameMs = 0.0; ///< The same of its last frames.
     double defaultWrongPercent = 0.0; ///< Largest of the moments looked at, after its first second.
     double allowedWrongPercent = 0.0; ///< Up to this a pinned method is of equal quality.
     std::string choices;              ///< Of the default in its last frame.
