@@ -75,13 +75,14 @@ GN_SHARED_FN vec4 extrusionPlane(vec4 light, vec3 reach, vec3 lower, vec3 upper)
         float along = light.w != 0.0f ? reach[axis] : light[axis];
         if (abs(along) < 1e-6f) continue;
         float start = light.w != 0.0f ? light[axis] : reach[axis];
-        // How far light must travel: multiples of the way to the caster, or metres from its centre. Where the box ends
-        // before the caster, up to the caster: never to the other side of the light.
-        float cost = max(((along > 0.0f ? upper[axis] : lower[axis]) - start) / along, light.w);
+        float end = along > 0.0f ? upper[axis] : lower[axis], side = along > 0.0f ? 1.0f : -1.0f;
+        // How far light must travel: multiples of the way to the caster, or metres from its centre.
+        float cost = max((end - start) / along, light.w);
         if (cost >= best) continue;
         best = cost;
-        float side = along > 0.0f ? 1.0f : -1.0f;
-        plane = vec4(0.0f, 0.0f, 0.0f, side * (start + cost * along));
+        // Where the box ends before the caster, up to the caster: never to the other side of the light. Else the box's
+        // own end, not start + cost * along, which a light far away rounds to more than the box's margin.
+        plane = vec4(0.0f, 0.0f, 0.0f, max(side * end, side * (start + light.w * along)));
         plane[axis] = side;
     }
     return plane;
