@@ -55,7 +55,7 @@ struct WedgePlan {
 };
 
 constexpr BindingInfo kWedgeBindings[] = {constantsAt(0), bufferAt(1),    bufferAt(2),
-                                     bufferAt(3),    constantsAt(4), bufferAt(5)};
+                                          bufferAt(3),    constantsAt(4), bufferAt(5)};
 
 /// @param before the hull's near side where it lies before the receiver; else its far side where that lies behind.
 /// Either meets every pixel of the penumbra once and leaves it to the shader to find out about the other side. The near
@@ -165,6 +165,7 @@ gpu::WedgeResolve wedgeResolve(const CameraView& view, const LightView& light)
     gpu::WedgeResolve block{};
     block.volumes = volumeResolve(view, light);
     block.entered = mirrors(view) ? -1 : 1;
+    block.radius = light.constants.sourceRadius;
     return block;
 }
 

@@ -18,10 +18,11 @@ layout(set = 0, binding = 5) uniform sampler2D states;
 layout(set = 0, binding = 6) uniform sampler2D seeds;
 layout(set = 0, binding = 7, std430) readonly buffer Sites { uint sites[]; };
 layout(location = 0) noperspective in vec3 rayWs;
-// x: visibility; y: half the mean's width, metres, 0: x is the answer; z: 1.
+// x: visibility; y: half the mean's width, metres, 0: x is the answer; z: what x is to be multiplied by after that.
 layout(location = 0) out vec4 seen;
 
 #include "../shared/map_receiver.glsl"
+#include "../shared/horizon.glsl"
 #include "distance_seen.glsl"
 
 const float NOWHERE = 1e30;
@@ -95,10 +96,9 @@ float shareSeen(float widths)
 float widthAt(ivec2 site) { return texelFetch(seeds, site, 0).x; }
 
 // x and y of `seen`. A mean is taken as far as it reaches the ramp. first: the nearest seed on the screen.
-vec2 rampAt(ivec2 pixel, bool lit, ivec2 first)
+vec2 rampAt(PlaneReceiver r, ivec2 pixel, bool lit, ivec2 first)
 {
     float ends = 0.5 + 0.5 * mean; // of what the ramp changes, widths from the edge
-    PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
     vec3 along = normalize(constants.map.positional != 0.0 ? r.fromLight : constants.map.axisWs.xyz);
     Query query = Query(pixel, seenAt(pixel), width > 0.0 ? vec3(0.0) : along);
     // So far away is what is seen so many pixels away, at least, with a margin of two for slanted views.
@@ -118,7 +118,12 @@ void main()
     bool lit = isLit(state);
     ivec2 first = siteOf(pixel);
     seen = vec4(lit ? 1.0 : 0.0, 0.0, 1.0, 0.0);
-    if (isAsked(state) && first.x >= 0) seen.xy = rampAt(pixel, lit, first);
+    if (isAsked(state)) {
+        PlaneReceiver r = fetchPlaneReceiver(constants.view, constants.map, rayWs);
+        if (first.x >= 0) seen.xy = rampAt(r, pixel, lit, first);
+        if (HAS_NORMALS) seen.z = shareAbove(constants.map, r, disc);
+    }
+    if (mean <= 0.0) seen.x *= seen.z; // nothing comes after
     ivec2 place = first - ivec2(rect.xy) + 1;
     if (show == SHOW_SEEDS) seen.x = texelFetch(seeds, pixel, 0).x > 0.0 ? 1.0 : 0.0;
     if (show == SHOW_COLUMNS) seen.x = first.x < 0 ? 0.0 : float(place.x) / 255.0;

@@ -26,9 +26,9 @@ GN_SHARED_SIZE(WedgeConstants, 208)
 struct WedgeResolve {
     VolumeResolve volumes;
     int entered; // what a view ray that enters a volume adds to the count: 1, in a view that mirrors -1
+    float radius; // of the source, metres
     int padding0;
     int padding1;
-    int padding2;
 };
 GN_SHARED_SIZE(WedgeResolve, 256)
 

@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Visibility from the stencil's count and what the wedges add to it.
 #include "wedge.h"
+#include "../shared/plane_receiver.glsl"
+#include "../shared/horizon.glsl"
 
 layout(set = 0, binding = 0, std140) uniform Constants { WedgeResolve wedges; };
 layout(set = 0, binding = 1) uniform sampler2D depthImage;
@@ -56,9 +58,12 @@ void main()
     float w = linearDepth(resolve.view, depth);
     vec3 toLight = resolve.lightEs.xyz - w * receiverRayWs(resolve.view, rayWs, depth);
     bool reached = depth != resolve.view.skyDepth && reaches(-toLight, resolve.cone, resolve.rangeSquared);
-    bool facing = resolve.view.hasNormals == 0u || dot(texelFetch(normalImage, pixel, 0).xyz, toLight) > 0.0;
+    bool hasNormals = resolve.view.hasNormals != 0u;
+    float facing = hasNormals ? dot(texelFetch(normalImage, pixel, 0).xyz, toLight) : 1.0;
+    float distance = max(length(toLight), 1e-30);
+    float above = hasNormals ? shareAbove(facing, distance, wedges.radius / distance) : 1.0;
     float reach = isOrthographic(resolve.view) ? 16.0 * resolve.view.pixelSize : 0.02 * w;
     float covered = settled(resolve, pixel, coveredAt(pixel), viewDistance(resolve.view, depth), reach,
                             doubtful(texelFetch(coverageImage, pixel, 0).x));
-    visibility = vec4(!reached ? 1.0 : facing ? clamp(1.0 - covered, 0.0, 1.0) : 0.0, 0.0, 0.0, 1.0);
+    visibility = vec4(!reached ? 1.0 : facing > 0.0 ? clamp(above - covered, 0.0, above) : 0.0, 0.0, 0.0, 1.0);
 }

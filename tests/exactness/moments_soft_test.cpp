@@ -56,7 +56,7 @@ TEST_CASE("penumbrae of moments_soft are nearer to the truth than hard edges, fo
 }
 
 // The disc's centre is 0.4 radii above the floor: a quarter of the disc is below, its circle's segment.
-TEST_CASE("what of a disc is below the receiver's own plane does not shine, in moments_soft as in pcss")
+TEST_CASE("what of a disc is below the receiver's own plane does not shine, in maps, distances and wedges")
 {
     const test::DeviceTest silence;
     Scene scene = softScene(Caster::box, LightKind::Spot, 5.0, 0.25f);
@@ -64,11 +64,18 @@ TEST_CASE("what of a disc is below the receiver's own plane does not shine, in m
     scene.lights[0].direction = {1.0, 0.0, 0.0};
     Stage stage(std::move(scene), {80, 60});
     const std::vector<SoftTruth> truths = tracedSoftTruths(stage, kSamples);
-    for (const Pictures& pictures : {soft(stage, 0.0), soft(stage, 1.0), stage.draw("pcss")}) {
-        const SoftError error = compareSoft(pictures, truths);
+    const auto check = [&](const std::string& method, const Settings& settings) {
+        const SoftError error = compareSoft(stage.draw(method, settings), truths);
+        MESSAGE(method << ": " << inWords(error));
         CHECK(error.penumbra.pixels > 500);
         CHECK(error.mean() <= 0.05);
-    }
+    };
+    for (const double moments : {0.0, 1.0})
+        check("moments_soft", {{"resolution", kSide}, {"moments", moments}});
+    for (const double mean : {0.0, 1.0})
+        check("edt_soft", {{"resolution", kSide}, {"mean", mean}});
+    for (const char* method : {"pcss", "rbssm", "ssrbssm", "penumbra_wedges"})
+        check(method, {});
 }
 
 // Deep in the umbra: within three pixels there is nothing else.
