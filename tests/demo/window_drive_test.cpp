@@ -204,6 +204,17 @@ void seeReadablePanel(Driven& it)
     it.keep("panel.png");
 }
 
+/// Moves the mouse with a button down, until that has come to something: a slow frame sees nothing of what is over.
+template <typename Condition>
+bool dragged(int32_t x, int32_t y, int button, const std::string& move, Condition&& condition)
+{
+    for (int attempt = 0; attempt < 3; ++attempt) {
+        Driven::mouse(x, y, button, move + " sleep 1");
+        if (eventually(condition)) return true;
+    }
+    return false;
+}
+
 /// Opens the first combo box and clicks the line. A frame that takes longer than a button is down sees no click.
 void clickLine(Driven& it, int32_t line)
 {
@@ -251,16 +262,15 @@ void moveBudget(Driven& it)
     CHECK_MESSAGE(it.titleSays(" of " + typed + ".0 ms"), it.title());
     CHECK(it.title().find("[spot1: " + it.other.second + "]") == std::string::npos);
     it.keep("budget.png");
-    Driven::mouse(x, y, 1, "mousemove_relative 80 0 sleep 1");
-    CHECK_MESSAGE(eventually([&] { return it.budget() > 150.0; }), it.title());
+    CHECK_MESSAGE(dragged(x, y, 1, "mousemove_relative 80 0", [&] { return it.budget() > 150.0; }), it.title());
     it.keep("more.png");
 }
 
 /// The right mouse button looks around over the picture, not over the panel.
 void lookAround(Driven& it, const Image8& still)
 {
-    Driven::mouse(640, 400, 3, "mousemove_relative 100 0 sleep 1");
-    CHECK(eventually([&] { return differing(it.shown(), still) > 0.2; }));
+    const auto turned = [&] { return differing(it.shown(), still) > 0.2; };
+    CHECK(dragged(640, 400, 3, "mousemove_relative 100 0", turned));
     Driven::press("c");
     CHECK(eventually([&] { return differing(it.shown(), still) < 0.02; }));
     Driven::press("F1");
@@ -281,8 +291,8 @@ void tintAndSplit(Driven& it, const Image8& still)
     CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 2, kWidth) < 0.03; }));
     CHECK(differing(it.shown(), tinted, 0, kWidth / 2) < 0.02);
     it.keep("split.png");
-    Driven::mouse(960, 400, 1, "mousemove_relative -- -640 0 sleep 1");
-    CHECK(eventually([&] { return differing(it.shown(), still, kWidth / 4 + 4, kWidth) < 0.03; }));
+    const auto moved = [&] { return differing(it.shown(), still, kWidth / 4 + 4, kWidth) < 0.03; };
+    CHECK(dragged(960, 400, 1, "mousemove_relative -- -640 0", moved));
     CHECK(differing(it.shown(), tinted, 0, kWidth / 4 - 4) < 0.02);
     Driven::press("v");
     Driven::press("t");
