@@ -208,9 +208,10 @@ void settleSides(Frame& frame, const FactsParts& parts)
     double held = 0.0;
     for (const ViewLight& light : frame.lights) {
         LightState& state = *light.state;
-        if (std::exchange(state.sideFrame, frame.number) == frame.number) continue; // another view had it
-        state.mapSide.follow(state.wishedSide, !state.sideKnown);
-        state.sideKnown |= light.memory->measured && state.wishedSide > 0.0;
+        const bool settled = std::exchange(state.sideFrame, frame.number) == frame.number; // for another view
+        if (!settled) state.mapSide.follow(state.wishedSide, !state.sideKnown);
+        state.sideKnown |= light.memory->measured && state.wishedSide > 0.0; // in any of them
+        if (settled) continue;
         if (state.maps.drawn && light.memory->incumbent < parts.methods.size())
             held += state.maps.bytes(state.mapSide.side());
         requests[count++] = state.maps;
