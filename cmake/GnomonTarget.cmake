@@ -9,25 +9,37 @@ target_compile_options(gnomon_flags INTERFACE
     $<$<BOOL:${GNOMON_WARNINGS_AS_ERRORS}>:-Werror>
     $<$<BOOL:${GNOMON_ASSERTIONS}>:-UNDEBUG>) # after the build type's -DNDEBUG
 
-# Headers of the standard library that most sources include. Parsing them is a quarter to a half of what a source takes.
-# One form of them for libraries, one for programs, whose code is position-independent in another way, and one for
-# tests, which are optimised less (gnomon_add_test()).
+# Headers that most sources include. Parsing them is a quarter to a half of what a source takes. One form of them for
+# libraries, one for programs, whose code is position-independent in another way, and one for tests, which are optimised
+# less (gnomon_add_test()) and all include doctest.
 set(GNOMON_TEST_OPTIONS $<$<CONFIG:Release>:-O1>) # a quarter off what a test takes to compile
 if(GNOMON_PRECOMPILE_HEADERS)
+    find_package(glm REQUIRED)
     file(CONFIGURE OUTPUT "${PROJECT_BINARY_DIR}/precompiled.cpp" CONTENT "")
-    foreach(form library program test)
+    set(forms library program)
+    if(GNOMON_BUILD_TESTS)
+        list(APPEND forms test)
+    endif()
+    foreach(form IN LISTS forms)
         add_library(gnomon_precompiled_${form} OBJECT "${PROJECT_BINARY_DIR}/precompiled.cpp")
-        target_link_libraries(gnomon_precompiled_${form} PRIVATE gnomon_flags)
+        target_link_libraries(gnomon_precompiled_${form} PRIVATE gnomon_flags glm::glm)
         set_target_properties(gnomon_precompiled_${form} PROPERTIES CXX_EXTENSIONS OFF
             CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
         target_precompile_headers(gnomon_precompiled_${form} PRIVATE
             <algorithm> <array> <atomic> <bit> <chrono> <cmath> <cstdint> <cstdio> <cstdlib> <cstring> <functional>
             <limits> <map> <memory> <mutex> <numbers> <numeric> <optional> <random> <set> <span> <string>
-            <string_view> <utility> <variant> <vector>)
+            <string_view> <unordered_map> <utility> <variant> <vector>
+            <glm/geometric.hpp> <glm/gtc/quaternion.hpp> <glm/mat3x3.hpp> <glm/mat4x4.hpp> <glm/matrix.hpp>)
     endforeach()
+    if(GNOMON_BUILD_TESTS)
+        target_precompile_headers(gnomon_precompiled_test PRIVATE
+            <condition_variable> <deque> <filesystem> <fstream> <sstream> <thread> <doctest/doctest.h>
+            <vulkan/vulkan.h>)
+        target_compile_options(gnomon_precompiled_test PRIVATE
+            ${CMAKE_CXX_COMPILE_OPTIONS_PIE} ${GNOMON_TEST_OPTIONS})
+    endif()
     set_property(TARGET gnomon_precompiled_library PROPERTY POSITION_INDEPENDENT_CODE ON)
     target_compile_options(gnomon_precompiled_program PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE})
-    target_compile_options(gnomon_precompiled_test PRIVATE ${CMAKE_CXX_COMPILE_OPTIONS_PIE} ${GNOMON_TEST_OPTIONS})
     if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU") # which takes precompiled functions of std::string for ours
         target_compile_options(gnomon_flags INTERFACE -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
     endif()
