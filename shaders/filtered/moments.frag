@@ -42,34 +42,24 @@ vec4 unpacked(uvec4 words)
     return unpackedMoments(FOUR ? MOMENTS_MSM : kind, bits, words);
 }
 
-vec4 momentsAt(ivec3 texel) { return unpacked(texelFetch(moments, texel, 0)); }
-vec4 smallerAt(ivec3 texel) { return unpacked(texelFetch(smaller, texel, 0)); }
-
-// Filtered moments between texels: each is a linear function of what was filtered, so that they may be mixed.
-vec4 mixedMoments(vec2 at, float layer)
+// Filtered moments between texels: each is a linear function of what was filtered, so that they may be mixed. level 0: of
+// the map, others of the smaller ones.
+vec4 mixedMoments(uint level, vec2 at, float layer)
 {
-    float last = constants.map.side - 1.0;
-    vec2 place = clamp(at - 0.5, vec2(0.0), vec2(last));
-    vec2 base = min(floor(place), vec2(max(last - 1.0, 0.0)));
-    vec2 part = place - base;
-    ivec3 texel = ivec3(base, layer);
-    ivec2 next = ivec2(min(base + 1.0, vec2(last))) - texel.xy;
-    vec4 above = mix(momentsAt(texel), momentsAt(texel + ivec3(next.x, 0, 0)), part.x);
-    vec4 below = mix(momentsAt(texel + ivec3(0, next.y, 0)), momentsAt(texel + ivec3(next, 0)), part.x);
-    return mix(above, below, part.y);
-}
-
-// Of one of the smaller maps.
-vec4 mixedSmaller(uint level, vec2 at, float layer)
-{
-    uint side = uint(constants.map.side) >> level;
+    uint mapSide = uint(constants.map.side), side = mapSide >> level;
+    ivec2 corner = level == 0u ? ivec2(0) : ivec2(momentLevelCorner(mapSide, level));
     vec2 place = clamp(at * exp2(-float(level)) - 0.5, vec2(0.0), vec2(float(side) - 1.0));
     ivec2 base = min(ivec2(place), ivec2(max(int(side) - 2, 0)));
     vec2 part = place - vec2(base);
-    ivec3 texel = ivec3(base + ivec2(momentLevelCorner(uint(constants.map.side), level)), layer);
-    vec4 above = mix(smallerAt(texel), smallerAt(texel + ivec3(1, 0, 0)), part.x);
-    vec4 below = mix(smallerAt(texel + ivec3(0, 1, 0)), smallerAt(texel + ivec3(1, 1, 0)), part.x);
-    return mix(above, below, part.y);
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; ++i) { // one body, not four: drivers take a time to compile it
+        ivec2 aside = ivec2(i & 1, i >> 1);
+        ivec3 texel = ivec3(corner + min(base + aside, ivec2(int(side) - 1)), layer);
+        uvec4 words = level == 0u ? texelFetch(moments, texel, 0) : texelFetch(smaller, texel, 0);
+        vec2 share = mix(1.0 - part, part, vec2(aside));
+        sum += share.x * share.y * unpacked(words);
+    }
+    return sum;
 }
 
 // How far the middles of neighbouring pixels are apart on the map, texels, where both see the receiver's plane.
@@ -101,9 +91,13 @@ float levelOf(PlaneReceiver r, vec4 clip, float layer)
 vec4 levelledMoments(float level, vec2 at, float layer)
 {
     uint lower = uint(level);
-    vec4 fine = lower == 0u ? mixedMoments(at, layer) : mixedSmaller(lower, at, layer);
     float part = level - float(lower);
-    return part > 0.0 ? mix(fine, mixedSmaller(lower + 1u, at, layer), part) : fine;
+    vec4 sum = vec4(0.0);
+    for (uint i = 0u; i < 2u; ++i) {
+        float share = i == 0u ? 1.0 - part : part;
+        if (share > 0.0) sum += share * mixedMoments(lower + i, at, layer);
+    }
+    return sum;
 }
 
 void main()

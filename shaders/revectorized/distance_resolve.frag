@@ -62,6 +62,14 @@ void keepNearer(Query query, ivec2 site, inout Edge best)
     if (far < best.distance) best = Edge(site, far);
 }
 
+// To one of eight places around, so many pixels away.
+ivec2 wayOf(int i, float stride)
+{
+    int aside = int(ceil(stride)), slant = int(ceil(0.7071 * stride));
+    ivec2 way = i < 4 ? (i < 2 ? ivec2(aside, 0) : ivec2(0, aside)) : ivec2(slant, i < 6 ? slant : -slant);
+    return (i & 1) == 0 ? way : -way;
+}
+
 // The edge that is nearest in the world, from the one nearest on the screen: along the edge, in ever smaller steps.
 Edge nearestEdge(Query query, ivec2 first)
 {
@@ -70,15 +78,7 @@ Edge nearestEdge(Query query, ivec2 first)
     float stride = max(length(vec2(first - query.pixel)), 1.0);
     for (int level = 0; level < 4; ++level) {
         ivec2 middle = best.site;
-        int aside = int(ceil(stride)), slant = int(ceil(0.7071 * stride));
-        keepNearer(query, siteOf(middle + ivec2(aside, 0)), best);
-        keepNearer(query, siteOf(middle - ivec2(aside, 0)), best);
-        keepNearer(query, siteOf(middle + ivec2(0, aside)), best);
-        keepNearer(query, siteOf(middle - ivec2(0, aside)), best);
-        keepNearer(query, siteOf(middle + ivec2(slant, slant)), best);
-        keepNearer(query, siteOf(middle - ivec2(slant, slant)), best);
-        keepNearer(query, siteOf(middle + ivec2(slant, -slant)), best);
-        keepNearer(query, siteOf(middle - ivec2(slant, -slant)), best);
+        for (int i = 0; i < 8; ++i) keepNearer(query, siteOf(middle + wayOf(i, stride)), best);
         stride = level == 2 ? 1.0 : max(0.5 * stride, 1.0);
     }
     return best;
