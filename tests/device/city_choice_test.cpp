@@ -36,7 +36,8 @@ TEST_CASE_FIXTURE(DeviceTest,
 {
     const Scene scene = demo::valueOf(demo::loadScene("city_night"));
     const auto lights = static_cast<uint32_t>(scene.lights.size());
-    Host host(scene, hooked({.extent = kExtent, .maxLights = lights, .mapSide = 0.0}, {withoutTimestamps()}));
+    Host host(scene,
+              hooked({.extent = kExtent, .maxLights = lights, .warmAll = true, .mapSide = 0.0}, {withoutTimestamps()}));
     for (const char* base : {"default", "quality", "battery"}) {
         const std::string rules = shippedRules(base);
         host.require(gnLoadRules(host.context, rules.data(), rules.size(), base));

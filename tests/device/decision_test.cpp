@@ -55,7 +55,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a pinned light is served by its method until it i
 TEST_CASE_FIXTURE(DeviceTest,
                   "an explanation gives the facts, the rules that fired and every candidate with why it lost")
 {
-    Host host(smallScene());
+    Host host(smallScene(), {.warmAll = true});
     load(host, "thesis");
     host.draw(6, {});
     const std::string text = host.explanation(0);

@@ -385,6 +385,7 @@ TEST_CASE_FIXTURE(DeviceTest,
                              "otherwise: shadow_map is acceptable\n"
                              "policy: {budget: auto}\n";
     host.require(gnLoadRules(host.context, text.data(), text.size(), "auto"));
+    host.require(gnWarmUp(host.context));
     std::vector<float> took;
     uint32_t frames = 0;
     while (frames < 80) {

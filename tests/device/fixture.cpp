@@ -106,7 +106,8 @@ Host::Host(Scene wanted, const HostOptions& options)
                                                                     : VK_COMPARE_OP_GREATER,
                                                 .samples = options.target.samples})),
       timeline_(makeTimeline(device())), readback_(device(), options.packed), extent_(options.extent),
-      area_(options.area), target_(options.target), hidden_(scene.instances.size(), false), warmUp_(options.warmUp)
+      area_(options.area), target_(options.target), hidden_(scene.instances.size(), false), warmUp_(options.warmUp),
+      warmAll_(options.warmAll)
 {
     surfaces_.resize(options.viewCount);
     createSurfaces();
@@ -253,15 +254,21 @@ void Host::beginAnew(const Scene& from, const char* method)
 /// A frame with lights that no method is pinned to may ask for any.
 void Host::warmUpFor(const std::vector<GnLight>& lit)
 {
-    if (!warmUp_ || allWarm_ || warmsByName_) return;
-    allWarm_ = lit.empty() || !std::ranges::all_of(lit, [&](GnLight light) { return pinned_.contains(light); });
-    if (allWarm_) require(gnWarmUp(context));
+    if (!warmUp_ || warmForRules_ || warmsByName_) return;
+    warmForRules_ = lit.empty() || !std::ranges::all_of(lit, [&](GnLight light) { return pinned_.contains(light); });
+    if (!warmForRules_) return;
+    if (warmAll_) return require(gnWarmUp(context));
+    for (const char* method : {"shadow_map", "cube_map", "stencil_volume", "octree_volume", "ray_traced"})
+        if (gnWarmUpMethod(context, method) == GN_SUCCESS) warm_.insert(method);
 }
 
 void Host::wait(uint64_t submission)
 {
     if (submission > 0) waitTimeline(device(), timeline_.get(), submission);
     waited_ = std::max(waited_, submission);
+    // The layer forgets what was submitted when a queue is waited for, not a semaphore; until then every submission is
+    // compared with all before it.
+    if (submission == submission_) vkQueueWaitIdle(device().queue);
 }
 
 /// Only what was waited for counts as done, though the device may be further: what a frame finds completed, and so how

@@ -66,7 +66,8 @@ struct HostOptions {
     uint32_t maxLights = 16;
     bool packed = false; ///< GN_VIEW_PACKED_BIT.
     GnContextCreateFlags flags = GN_CONTEXT_NO_BACKGROUND_BIT;
-    bool warmUp = true; ///< What is asked for by pin() and warm(); before a frame that asks for others, all.
+    bool warmUp = true; ///< What is asked for by pin() and warm(); before a frame that rules choose for, five methods.
+    bool warmAll = false; ///< Before such a frame all, which takes seconds.
     /// For Host::fixMapSides(), so that what is drawn depends on nothing that was measured; 0: maps follow coverage.
     double mapSide = 256.0;
     std::function<void(GnContextCreateInfo&)> context; ///< Last word on the create-info.
@@ -189,8 +190,8 @@ private:
     std::deque<Retired> retired_;
     std::deque<std::pair<uint64_t, uint64_t>> unfinished_; ///< (submission, gnomon's frame), oldest first.
     std::vector<bool> hidden_;
-    const bool warmUp_;
-    bool allWarm_ = false, warmsByName_ = false;
+    const bool warmUp_, warmAll_;
+    bool warmForRules_ = false, warmsByName_ = false;
     std::set<std::string> warm_;
     std::set<GnLight> pinned_;
     std::vector<GnTransform> lastTransforms_;

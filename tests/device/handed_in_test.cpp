@@ -130,7 +130,7 @@ TEST_CASE("every pipeline is made with the host's cache, which outlives the cont
     REQUIRE(vkCreatePipelineCache(device().handle, &empty, nullptr, &cache) == VK_SUCCESS);
     cacheWanted = cache;
     pipelinesMade = madeOtherwise = 0;
-    HostOptions base{.extent = {96, 54}, .flags = 0}; // on worker threads
+    HostOptions base{.extent = {96, 54}, .flags = 0, .warmAll = true}; // on worker threads
     base.context = [cache](GnContextCreateInfo& info) { info.pipelineCache = cache; };
     const HostOptions options = hooked(std::move(base), {hook("vkCreateGraphicsPipelines", &watchedGraphics),
                                                          hook("vkCreateComputePipelines", &watchedCompute)});

@@ -38,7 +38,7 @@ struct Choice {
 
 Choice choiceFor(const demo::Mesh& caster)
 {
-    Host host(nineOf(caster), hooked({.extent = {320, 180}, .mapSide = 0.0}, {withoutTimestamps()}));
+    Host host(nineOf(caster), hooked({.extent = {320, 180}, .warmAll = true, .mapSide = 0.0}, {withoutTimestamps()}));
     const std::string rules = shippedRules("default");
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "default"));
     host.draw(6, {.call = Call::record});

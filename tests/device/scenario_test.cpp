@@ -38,7 +38,7 @@ const Phase& phaseAt(const std::vector<Phase>& phases, double time)
 /// The methods in the order in which they served, as the thesis lists them: one entry a change.
 std::vector<std::string> play(const char* sceneName, const std::vector<Phase>& phases)
 {
-    Host host(demo::valueOf(demo::loadScene(sceneName)), {.extent = {160, 96}, .maxLights = 24});
+    Host host(demo::valueOf(demo::loadScene(sceneName)), {.extent = {160, 96}, .maxLights = 24, .warmAll = true});
     const std::string rules = shippedRules("thesis");
     host.require(gnLoadRules(host.context, rules.data(), rules.size(), "thesis.yaml"));
     std::vector<std::string> sequence;

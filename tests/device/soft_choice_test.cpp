@@ -58,7 +58,7 @@ TEST_CASE_FIXTURE(DeviceTest, "over the scenes with soft lights the shipped rule
         for (demo::Light& light : scene.lights)
             if (light.kind == demo::LightKind::Directional) light.radius *= 2.0f; // penumbrae of 4 pixels and more
         scene.instances.back().hostDrawn = row.hostDrawn;
-        Host host(scene, hooked({.extent = kExtent}, {withoutTimestamps()}));
+        Host host(scene, hooked({.extent = kExtent, .warmAll = true}, {withoutTimestamps()}));
         for (const char* base : {"default", "quality", "battery"})
             choose(host, base, row.budgetMs, choices);
     }
