@@ -158,6 +158,7 @@ TEST_CASE_FIXTURE(DeviceTest, "a lamp in a crate lights nothing outside, seen by
 
 TEST_CASE_FIXTURE(DeviceTest, "every method shows the truth with every depth format and projection, or says why not")
 {
+    size_t turn = 0; // every method with half of the formats and conventions
     for (const auto convention : kConventions)
         for (const VkFormat format : {VK_FORMAT_D32_SFLOAT, VK_FORMAT_D24_UNORM_S8_UINT, VK_FORMAT_D16_UNORM}) {
             CAPTURE(static_cast<int>(format));
@@ -169,7 +170,9 @@ TEST_CASE_FIXTURE(DeviceTest, "every method shows the truth with every depth for
             host.pinAll("ray_traced");
             for (const Lens& lens : lenses)
                 truths.push_back(truthOf(host, lens, stepOf(format)));
-            for (const GnMethodInfo& method : availableMethods(host.context)) {
+            const std::vector<GnMethodInfo> methods = availableMethods(host.context);
+            for (size_t i = turn++ % 2; i < methods.size(); i += 2) {
+                const GnMethodInfo& method = methods[i];
                 if (!(method.traits & GN_TRAIT_HARD_BIT)) continue;
                 if (method.traits & GN_TRAIT_PLANAR_BIT) continue; // right on one plane only
                 CAPTURE(std::string(method.pName));

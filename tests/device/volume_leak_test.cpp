@@ -1,4 +1,4 @@
-// Ten thousand frames of moving casters and a moving light under all volume methods at once: what is held after the
+// Thousands of frames of moving casters and a moving light under all volume methods at once: what is held after the
 // first second is what is held at the end. Without validation: the layer allocates in every call.
 #include <cmath>
 #include <cstdlib>
@@ -11,7 +11,8 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr uint32_t kFrames = 10000;
+// A leak of one allocation every 30 frames shows; the row `full` of tests/matrix.sh draws ten thousand.
+const uint32_t kFrames = std::getenv("GNOMON_TEST_FULL") ? 10000 : 3000;
 // Rings, pools and lists have had their largest size: several times around, two timed frames (one in eight) in every
 // slot, and more than the 60 frames after which what is not used is given back.
 constexpr uint32_t kWarmFrames = 240;
@@ -58,7 +59,7 @@ void move(Host& host, uint32_t frame)
 
 } // namespace
 
-TEST_CASE("10 000 frames of moving casters leave nothing behind")
+TEST_CASE("thousands of frames of moving casters leave nothing behind")
 {
     Host host(movingScene(), {.extent = {48, 32}});
     for (size_t light = 0; light < std::size(kMethods); ++light)

@@ -283,7 +283,8 @@ GrossBounds boundsFor(double texels)
 GrossBounds defaultBounds(const std::string& method)
 {
     GrossBounds bounds = boundsFor(defaultOf(method, "filter", 1.0));
-    bounds.missingPercent *= std::max(1.0, 1024.0 / defaultOf(method, "resolution", 1024.0));
+    bounds.missingPercent *= std::max(1.0, edgePercent(1024.0 / defaultOf(method, "resolution", 1024.0)));
+    bounds.acnePercent = edgePercent(bounds.acnePercent);
     return bounds;
 }
 
@@ -307,8 +308,11 @@ TEST_CASE("no method misses shadows or shows acne, whatever the scene and the ki
 
 TEST_CASE("no method misses shadows or shows acne once everything has moved")
 {
-    for (const std::string& name : sceneNames())
-        checkNoGrossFailure(laterResultsOf(name));
+    bool odd = false; // every method in half of the scenes
+    for (const std::string& name : sceneNames()) {
+        checkNoGrossFailure(laterResultsOf(name, odd));
+        odd = !odd;
+    }
 }
 
 TEST_CASE("maps that average 5 x 5 texels lose no shadows wider than that, and show no acne")

@@ -23,8 +23,8 @@ struct SceneResults : Seen {
 
 /// Measured when first asked for; validation must stay silent meanwhile. The bounds are about time 0.
 const SceneResults& resultsOf(const std::string& scene);
-/// Later, when everything has moved: smaller pictures, defaults only. Not kept.
-SceneResults laterResultsOf(const std::string& scene);
+/// Later, when everything has moved: smaller pictures, defaults only, of every second method. Not kept.
+SceneResults laterResultsOf(const std::string& scene, bool odd);
 
 constexpr uint32_t kMapSizes[] = {512, 1024, 2048, 4096};
 constexpr uint32_t kRowCounts[] = {75, 150, 300, 600};
