@@ -3,6 +3,7 @@
 #   isa          the tests labelled `isa`, once for each instruction set that the processor has
 #   mesa25       every device test on Mesa 25, unpacked in the build folder where the system's is older
 #   mesa25-core  the same of the tests labelled `core`: each method's passes, a few minutes
+#   mesa25-driver  of those labelled `driver`: every method with every setting once, and the truth; what CI runs
 #   debian13     demo/run.sh and tests/run.sh in a chroot with Debian 13, on a fresh clone of HEAD; needs root
 #   debian13-core  there, unit tests and those labelled `core` alone
 # A row that cannot be run here is SKIPPED. Downloads stay in build/machines until that folder is removed.
@@ -113,6 +114,7 @@ row_mesa25() {
 }
 
 row_mesa25-core() { row_mesa25 core; }
+row_mesa25-driver() { row_mesa25 driver; }
 
 # All that is mounted below $1, the innermost first.
 unmount_below() {
@@ -166,7 +168,7 @@ rows=("$@")
 [ $# -gt 0 ] || rows=(isa mesa25 debian13)
 for row in "${rows[@]}"; do
     declare -F "row_$row" >/dev/null || {
-        echo "no row '$row': isa, mesa25, mesa25-core, debian13, debian13-core" >&2
+        echo "no row '$row': isa, mesa25, mesa25-core, mesa25-driver, debian13, debian13-core" >&2
         exit 2
     }
 done

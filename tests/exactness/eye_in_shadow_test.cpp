@@ -123,7 +123,7 @@ TEST_CASE("volumes are right at those places with standard depth as well")
 TEST_CASE("mccool is as right at those places as its map looked up, with reversed and with standard depth")
 {
     const test::DeviceTest silence;
-    const Setting fine{"resolution", 2048.0};
+    const Setting fine{"resolution", 1024.0};
     for (const auto convention : {demo::DepthConvention::ReversedInfinite, demo::DepthConvention::Standard}) {
         for (const KindOfLight& light : kKinds) {
             for (const bool closed : {true, false}) {
@@ -157,7 +157,7 @@ TEST_CASE("mccool is as right as its map looked up with the near plane in a clos
                                          " depth";
                 CAPTURE(what);
                 Stage stage(cutByNearPlane(light.kind, aboutEye, convention), kSize);
-                const Settings fine{{"resolution", 2048.0}};
+                const Settings fine{{"resolution", 1024.0}};
                 const char* lookUp = light.kind == LightKind::Point ? "cube_map" : "shadow_map";
                 const ErrorCount map = pooled(stage, stage.draw(lookUp, fine));
                 const ErrorCount volumes = pooled(stage, stage.draw("mccool", fine));
