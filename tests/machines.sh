@@ -3,7 +3,7 @@
 #   isa          the tests labelled `isa`, once for each instruction set that the processor has
 #   mesa25       every device test on Mesa 25, unpacked in the build folder where the system's is older
 #   mesa25-core  the same of the tests labelled `core`: each method's passes, a few minutes
-#   mesa25-driver  of those labelled `driver`: every method with every setting once, and the truth; what CI runs
+#   mesa25-driver  of those labelled `driver`: frames, rays of the device, and the truth; what CI runs
 #   debian13     demo/run.sh and tests/run.sh in a chroot with Debian 13, on a fresh clone of HEAD; needs root
 #   debian13-core  there, unit tests and those labelled `core` alone
 # A row that cannot be run here is SKIPPED. Downloads stay in build/machines until that folder is removed.

@@ -121,7 +121,7 @@ TEST_CASE_FIXTURE(DeviceTest, "what the device can trace needs no round trip, an
         drawn(legs.device, name, {.call = Call::record});
         CHECK(legs.device.stats().hostWaits == 0);
         CHECK(legs.device.passCount(std::string(name) + ".list") == 1);
-        CHECK(legs.device.explanation(0).find(std::string(name) + " at 1024 by rays on the device") !=
+        CHECK(legs.device.explanation(0).find(std::string(name) + " at 256 by rays on the device") !=
               std::string::npos);
         drawn(legs.cpu, name);
         CHECK(legs.cpu.passCount(std::string(name) + ".readback") == 1);
