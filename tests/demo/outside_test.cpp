@@ -33,12 +33,12 @@ TEST_CASE("by an outsider's rays, too, mirrored, inverted and masked casters are
     REQUIRE(methods.size() > 5);
     for (const std::string& method : methods) {
         CAPTURE(method);
-        // 0.01 % at 640x360, the scene's own size; of half the width twice the share of pixels lies along edges.
         const Folder folder("outside");
         const std::string dump = (folder.path / "dump").string();
         const Ran ran = gnomonProgram("run '" GNOMON_TEST_SCENES "/sides.yaml' --size 320x180 --method " + method +
                                       " --out '" + folder.path.string() + "' --dump '" + dump + "'");
         REQUIRE_MESSAGE(ran.exitCode == 0, ran.output);
+        // 0.01 % at 640x360, the scene's own size; of half the width twice the share of pixels lies along edges.
         const Ran judgement = judged("0.02 '" + dump + "'");
         CHECK_MESSAGE(judgement.exitCode == 0, judgement.output);
         CHECK_MESSAGE(judgement.output.find(method + " spot: ") != std::string::npos, judgement.output);

@@ -399,7 +399,7 @@ TEST_CASE_FIXTURE(DeviceTest,
         // Another one's first frame, which a candidate does not tell, counts with a sixtieth.
         const float least = (0.95f - float(plan::kClearlyLess)) * (serves.sureMs + serves.sharedMs);
         clearlyMore = least <= cheapestOf(host, 0) ? 0 : clearlyMore + 1;
-        CHECK(clearlyMore <= 5); // a busy machine has frames that take twice as long
+        CHECK(clearlyMore <= 1); // a single frame has been seen, on busy machines; why is not known
         took.push_back(stats.gpuMs + stats.cpuMs);
     }
     REQUIRE(frames > 32);
