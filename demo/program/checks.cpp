@@ -51,7 +51,7 @@ std::string ownersOf(const std::string& setting)
 HostError unknownSetting(const std::string& name, std::vector<std::string_view> known)
 {
     std::ranges::sort(known);
-    known.erase(std::ranges::unique(known).begin(), known.end()); // several methods have it
+    known.erase(std::unique(known.begin(), known.end()), known.end()); // several methods have it
     return HostError("--set: no method has a setting '" + name + "'" + rules::suggestion(name, known));
 }
 

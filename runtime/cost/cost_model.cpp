@@ -140,20 +140,24 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
     const Base base = baseOf(known, pass, workload);
     if (!(base.ms > 0.0)) return {}; // there is no such pass
     const auto p = static_cast<size_t>(pass);
-    double factor = known.scene[p].factor, variance = 0.0;
+    double factor = known.scene[p].factor, variance = 0.0, ownVariance = 0.0;
     Prediction out;
     if (const Own* timed = find(light, method, pass)) {
         factor *= exp2Exactly(timed->octaves);
         const double logBase = log2Exactly(std::max(base.ms, kLeastMs));
         variance = kNoise / std::min(timed->count, 4u) + square(kScaled * (logBase - timed->logBase));
+        ownVariance = variance;
         out.measured = true;
     } else {
         const Belief& device = devices_[at(base.gpuMs > 0.5 * base.ms ? 0 : 1)];
-        variance = known.scene[p].variance + known.among[p] / std::max(1.0, workload.sharing) + device.variance;
+        const double common = known.scene[p].variance + device.variance;
+        variance = common + known.among[p] / std::max(1.0, workload.sharing);
+        ownVariance = common + known.among[p];
     }
     out.ms = base.ms * factor;
     out.sigmaOctaves = std::sqrt(variance);
     out.sigmaMs = out.ms * kLn2 * out.sigmaOctaves; // d 2^x = ln 2 2^x dx
+    out.ownSigmaMs = out.ms * kLn2 * std::sqrt(ownVariance);
     return out;
 }
 
@@ -161,9 +165,11 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, const Workload& w
                               bool updateSkipped) const noexcept
 {
     const Prediction resolve = predict(light, method, Pass::resolve, workload);
-    Prediction update = updateSkipped ? Prediction{} : predict(light, method, Pass::update, workload);
-    update.ms /= workload.redrawEvery, update.sigmaMs /= workload.redrawEvery;
-    Prediction sum{.ms = update.ms + resolve.ms, .sigmaMs = update.sigmaMs + resolve.sigmaMs};
+    const Prediction update = updateSkipped ? Prediction{} : predict(light, method, Pass::update, workload);
+    const double redraws = 1.0 / workload.redrawEvery;
+    Prediction sum{.ms = redraws * update.ms + resolve.ms,
+                   .sigmaMs = redraws * update.sigmaMs + resolve.sigmaMs,
+                   .ownSigmaMs = redraws * update.ownSigmaMs + resolve.ownSigmaMs};
     sum.familiar = method < methods_.size() && methods_[method].timed;
     sum.measured = (update.measured || update.ms == 0.0) && (resolve.measured || resolve.ms == 0.0) && sum.ms > 0.0;
     sum.sigmaOctaves = sum.ms > 0.0 ? sum.sigmaMs / (kLn2 * sum.ms) : 0.0;

@@ -48,7 +48,8 @@ struct Observation {
 
 struct Prediction {
     double ms = 0.0;
-    double sigmaMs = 0.0;      ///< One standard error.
+    double sigmaMs = 0.0;      ///< One standard error in a sum over the lights of a view, whose differences even out.
+    double ownSigmaMs = 0.0;   ///< Of this light by itself.
     double sigmaOctaves = 0.0; ///< The same, relative: of log2 ms.
     bool measured = false;     ///< On this light; else it is the class that speaks,
     bool familiar = false;     ///< or other lights of this scene.

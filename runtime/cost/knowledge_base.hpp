@@ -2,7 +2,7 @@
 
 /// The knowledge base: what a calibration found methods to take, as a CSV that people can read and programs can merge.
 ///
-///     # gnomon knowledge 6
+///     # gnomon knowledge 7
 ///     device,driver,kind,algorithm,pass,processor,samples,octaves,fixed_ms,ms_per_mtriangle,...
 ///
 /// The first line names the version. Columns are found by name, in any order; unknown ones are passed over; an empty
@@ -30,7 +30,7 @@
 
 namespace gnomon::cost {
 
-inline constexpr uint32_t kKnowledgeVersion = 6;
+inline constexpr uint32_t kKnowledgeVersion = 7;
 inline constexpr size_t kMaxKnowledgeBytes = size_t{1} << 20; ///< The file is untrusted; a device takes 15 kB.
 inline constexpr size_t kMaxKnowledgeRows = 8192;
 

@@ -28,9 +28,10 @@ Terms termsOf(const Workload& w, Pass pass) noexcept
     const double reached = sizeOf(w.pixels) / kMillion;
     const double view = w.viewPixels > 0.0 ? sizeOf(w.viewPixels) / kMillion : reached;
     const double drawn = w.drawnPixels > 0.0 ? sizeOf(w.drawnPixels) / kMillion : reached;
+    const double met = w.treeLevels > 0.0 && view > 0.0 ? std::min(reached / view, 1.0) : 1.0;
     return {1.0,
-            sizeOf(w.casterTriangles) / kMillion,
-            instances,
+            met * sizeOf(w.casterTriangles) / kMillion,
+            met * instances,
             texels,
             0.0,
             view,

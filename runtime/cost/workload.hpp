@@ -31,7 +31,7 @@ struct Workload {
     double softPixels = 0.0;  ///< Reached by a light with a radius; 0 for methods whose edges do not follow it.
     double mapFilled = 1.0;   ///< Of the map's texels, by the casters that an update draws; each counts. May exceed 1.
     double mapTouched = 1.0;  ///< Share of the maps (one, or six faces) that these casters touch.
-    double treeLevels = 0.0;  ///< On the way of a reached pixel's ray; 0 for methods that trace few.
+    double treeLevels = 0.0;  ///< On the way of a reached pixel's ray; 0 for methods that do not trace every pixel.
     bool viewRests = true;    ///< So does the view: the update of a map that follows it may be skipped, too.
     double redrawEvery = 1.0; ///< Frames from one update to the next, of what is not still; >= 1.
 
@@ -43,8 +43,9 @@ struct Workload {
 /// measured.
 enum class Term : uint8_t {
     fixed,         ///< 1
-    triangles,     ///< Millions: drawn by an update, in range for a resolve.
-    instances,     ///< Thousands.
+    triangles,     ///< Millions: drawn by an update, in range for a resolve. There, of methods that trace every pixel,
+                   ///< times the share of the view that is reached: a ray meets only what is on its way.
+    instances,     ///< Thousands, likewise.
     texels,        ///< Millions, of the faces that are touched.
     filledTexels,  ///< Millions, that casters fill in an update.
     viewPixels,    ///< Millions.

@@ -217,7 +217,7 @@ void settleSides(Frame& frame, const FactsParts& parts)
         requests[count++] = state.maps;
     }
     const auto limit = static_cast<double>(parts.memory.limit()), used = static_cast<double>(parts.memory.used());
-    fitSides(requests.first(count), std::min(kMapShare * limit, std::max(limit - used, 0.0) + held));
+    fitSides(requests.first(count), std::min(kMapShare * limit, std::max(limit - used, 0.0) + held), frame.number);
     takeSides(requests.first(count));
     for (ViewLight& light : frame.lights) {
         light.facts.plainSide = light.state->mapSide.side();

@@ -49,7 +49,7 @@ struct LightMemory {
     uint32_t previous = kNone; ///< Before the incumbent.
     uint64_t switchedAt = 0;   ///< Frame.
     uint64_t bannedUntil = 0;  ///< Frame: the light does not go back to `previous` before.
-    uint64_t nearUntil = 0;    ///< Frame: the floor holds until then, though it is no longer asked for.
+    uint64_t nearUntil = 0;    ///< Frame: until then the floor holds for what reaches it, though it is not asked for.
     float nearQuality = 0.0f;  ///< What it asks.
     bool onTrial = false;      ///< The incumbent serves for kTrialFrames so that its time is known.
 };
@@ -197,7 +197,7 @@ public:
 private:
     void admit(const PlanInput& input) noexcept;
     void admitLight(const PlanInput& input, uint32_t light) noexcept;
-    void applyFloor(uint32_t light, float minimum) noexcept;
+    void applyFloor(uint32_t light, float minimum, bool asked) noexcept;
     void offerAll(const PlanInput& input) noexcept;
     bool gateTrials(const PlanInput& input) noexcept;
     double waitForTrials(const PlanInput& input, double headroom, double limitMs, bool over,

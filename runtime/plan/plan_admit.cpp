@@ -51,8 +51,8 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
     const bool pinned = request.pinned < methods_ && isAble(request.pinned);
     const auto eligible = [&](int32_t leastSuitability) {
         return MethodSet::where(methods_, [&](uint32_t m) {
-            return isTimeKnown(candidates[m]) & (candidates[m].eligibility == Eligibility::eligible) &
-                   (candidates[m].suitability >= leastSuitability);
+            return isTimeKnown(candidates[m]) && candidates[m].eligibility == Eligibility::eligible &&
+                   candidates[m].suitability >= leastSuitability;
         });
     };
     MethodSet allowed = eligible(0);
@@ -74,16 +74,18 @@ void PlanStep::admitLight(const PlanInput& input, uint32_t light) noexcept
         memory.nearUntil = input.frame + input.inForce().hysteresis.flipWindowFrames;
         memory.nearQuality = request.minimumQuality;
     }
-    // A condition that hovers about its threshold would change the method with every crossing.
-    if (request.floor || input.frame < memory.nearUntil) applyFloor(light, memory.nearQuality);
+    if (request.floor || input.frame < memory.nearUntil) applyFloor(light, memory.nearQuality, request.floor);
 }
 
-/// Lights that are near, or were a moment ago, get nothing below the floor. Where nothing reaches it, the best there
-/// is, and the plan says so.
-void PlanStep::applyFloor(uint32_t light, float minimum) noexcept
+/// Lights that are near get nothing below the floor. Where nothing reaches it, the best there is, and the plan says so.
+/// Lights that were near a moment ago keep what reaches it: a condition that hovers about its threshold would change
+/// the method with every crossing. What does not reach it is no reason for more.
+void PlanStep::applyFloor(uint32_t light, float minimum, bool asked) noexcept
 {
     const auto quality = [&](uint32_t m) { return qualityOf(candidates_[at(light, m)]); };
     const MethodSet within = withinFloor(allowed_[light], minimum, quality);
+    const uint32_t incumbent = plans_[light].incumbent;
+    if (!asked && (incumbent >= methods_ || !within.has(incumbent))) return;
     plans_[light].floor = true;
     plans_[light].floorUnmet = !within.empty() && quality(*within.begin()) < minimum;
     for (const uint32_t m : allowed_[light] - within)

@@ -154,14 +154,19 @@ std::uint32_t cheaperEqual(std::span<const Candidate> candidates, std::uint32_t 
     return offers.stays(cheapest, best) ? incumbent : best;
 }
 
-std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept
+MethodSet withinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept
 {
-    if (candidates[wanted].quality >= minimum) return wanted;
     MethodSet able = MethodSet::where(static_cast<std::uint32_t>(candidates.size()), [&](std::uint32_t m) {
         return candidates[m].exclusion == Exclusion::none && candidates[m].quantised >= 0;
     });
     able.add(wanted);
-    const MethodSet within = plan::withinFloor(able, minimum, [&](std::uint32_t m) { return candidates[m].quality; });
+    return plan::withinFloor(able, minimum, [&](std::uint32_t m) { return candidates[m].quality; });
+}
+
+std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept
+{
+    if (candidates[wanted].quality >= minimum) return wanted;
+    const MethodSet within = withinFloor(candidates, wanted, minimum);
     std::uint32_t suited = within.has(wanted) ? wanted : *within.begin();
     for (const std::uint32_t m : within)
         if (candidates[m].quantised > candidates[suited].quantised) suited = m;

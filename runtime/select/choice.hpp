@@ -55,9 +55,11 @@ float priceOf(std::span<const Candidate> candidates, std::uint32_t method, std::
 bool doesAsWell(std::span<const Candidate> candidates, std::uint32_t method, std::uint32_t as,
                 std::uint32_t wanted) noexcept;
 
-/// `wanted` where it shows at least `minimum`; else the best suited of what does, or, where nothing does, of what shows
-/// most.
+/// `wanted` and what else may serve, of these what shows at least `minimum`, or, where nothing does, what shows most.
 /// @param wanted the best suited, a valid index
+MethodSet withinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept;
+
+/// `wanted` where it shows at least `minimum`; else the best suited of withinFloor().
 std::uint32_t suitedWithinFloor(std::span<const Candidate> candidates, std::uint32_t wanted, float minimum) noexcept;
 
 /// What serves where no budget says what time is worth: then time buys quality and nothing else. Of methods that the

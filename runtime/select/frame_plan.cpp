@@ -22,6 +22,8 @@ constexpr double kSameShare = 1.0 / 32.0; // 3 %: a time follows by less, and th
 
 /// Reach::treeLevels until it is measured: the median of rules/knowledge/samples/lavapipe.csv.
 constexpr double kTreeLevels = 5.4;
+/// Of a ray that meets no caster: it asks the root at least. Small, so that it takes no time of its own.
+constexpr double kLeastLevels = 0.01;
 
 /// A light that rests keeps its static casters apart; then only the moving ones are drawn.
 std::span<const Caster* const> drawnCasters(const SelectionInput& input)
@@ -52,7 +54,8 @@ cost::Workload workloadOf(const Method& method, const cost::Workload& light)
     if (!method.has(GN_TRAIT_TOPOLOGY_BIT)) workload.shadowPixels = 0.0; // draws no volumes
     if (!method.isSoft()) workload.softPixels = 0.0;
     const bool traces = method.has(GN_TRAIT_RAYS_BIT) || method.has(GN_TRAIT_DEVICE_RAYS_BIT);
-    if (!traces || workload.mapTexels > 0.0) workload.treeLevels = 0.0; // a map answers most
+    const bool tracesAll = traces && workload.mapTexels == 0.0; // a map answers most
+    workload.treeLevels = tracesAll ? std::max(workload.treeLevels, kLeastLevels) : 0.0;
     return workload;
 }
 

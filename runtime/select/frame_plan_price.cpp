@@ -91,10 +91,11 @@ void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, con
         memory.nearQuality = light.minimumQuality;
     }
     if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
-    // A condition that hovers about its threshold would change the method with every crossing.
-    decision.floor = light.floor || budget.frame < memory.nearUntil;
-    if (!decision.floor) return;
     const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    decision.floor =
+        light.floor || (budget.frame < memory.nearUntil && request.memory->incumbent < methods_.size() &&
+                        withinFloor(all, decision.method, memory.nearQuality).has(request.memory->incumbent));
+    if (!decision.floor) return;
     request.suited = suitedWithinFloor(all, decision.method, memory.nearQuality);
     decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
 }
@@ -161,10 +162,10 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
         const std::span all = std::span<const Candidate>(request.decision->candidates);
         for (std::uint32_t m = 0; m < methods_.size(); ++m) {
             const cost::Prediction& guess = costs[m].steady;
-            if (m == own || guess.measured || !(guess.sigmaMs > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
+            if (m == own || guess.measured || !(guess.ownSigmaMs > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
             // Whether it pays is asked as if all lights had it; what it takes now it takes alone.
             const double over = guess.ms + double{sharesMs_[m]} - double{priceOf(all, own, own)};
-            const double needed = std::max(0.0, over) / guess.sigmaMs;
+            const double needed = std::max(0.0, over) / guess.ownSigmaMs;
             if (needed >= least) continue;
             const double share = double{shareMs(budget.parts, users, m)};
             const double wasteMs = trialMs(request, own, m, share);

@@ -119,7 +119,7 @@ void MapSide::follow(double wish, bool again) noexcept
     below_ = 0;
 }
 
-void fitSides(std::span<const SideRequest> requests, double budgetBytes) noexcept
+void fitSides(std::span<const SideRequest> requests, double budgetBytes, std::uint64_t turn) noexcept
 {
     double sum = 0.0;
     for (const SideRequest& request : requests)
@@ -136,8 +136,12 @@ void fitSides(std::span<const SideRequest> requests, double budgetBytes) noexcep
         if (const SideRequest* most = bestOf(requests, returnable, std::greater<>()))
             most->side->limit(2 * most->side->affordable());
     }
-    for (const SideRequest& request : requests)
-        if (!request.drawn) request.side->limit(sideWithin(request, usable - sum));
+    for (std::size_t i = 0; i < requests.size(); ++i) {
+        const SideRequest& request = requests[(turn + i) % requests.size()];
+        if (request.drawn) continue;
+        request.side->limit(sideWithin(request, usable - sum));
+        sum += request.bytes(request.side->affordable());
+    }
 }
 
 void takeSides(std::span<const SideRequest> requests) noexcept

@@ -93,7 +93,7 @@ TEST_CASE("a damaged knowledge base is an error that names the first damaged row
     CHECK_FALSE(parseKnowledge("").base);
     CHECK_FALSE(parseKnowledge("# gnomon knowledge 0\n").base);
     CHECK(parseKnowledge("# gnomon knowledge 99\n").error.find("version '99'") != std::string::npos);
-    CHECK(parseKnowledge("# gnomon knowledge 6\ndevice,driver\n").error == "column 'kind' is missing");
+    CHECK(parseKnowledge("# gnomon knowledge 7\ndevice,driver\n").error == "column 'kind' is missing");
     CHECK(parseKnowledge(std::string(kMaxKnowledgeBytes + 1, ' ')).error.find("1 MiB") != std::string::npos);
     const std::string good = "d,v,software,shadow_map,resolve,gpu,9,0.3,0.1,1,,,,,,2,,,,,\n";
     REQUIRE(parseKnowledge(head + good).base->devices.size() == 1);

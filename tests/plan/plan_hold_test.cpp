@@ -137,6 +137,27 @@ TEST_CASE("whatever times and suitabilities do, a light that no budget forces fl
     }
 }
 
+TEST_CASE("a floor that only holds on raises nothing: what no longer reaches it is no reason for more")
+{
+    Scene scene(1, cheapAndGood());
+    scene.input.budgetMs = 30.0;
+    scene.requests[0].minimumQuality = 0.8f;
+    scene.requests[0].floor = true;
+    for (const uint32_t m : {kCheap, kGood})
+        scene.of(0, m).suitability = m == kCheap ? 3000 : 1000;
+    scene.of(0, kCheap).quality = 0.85f;
+    scene.step();
+    REQUIRE(scene.chosen(0) == kCheap);
+    scene.requests[0].floor = false;
+    scene.of(0, kCheap).quality = 0.7f;
+    scene.step();
+    CHECK(scene.chosen(0) == kCheap);
+    CHECK(!scene.plan.lights()[0].floor);
+    scene.requests[0].floor = true;
+    scene.step();
+    CHECK(scene.chosen(0) == kGood);
+}
+
 TEST_CASE("a floor whose condition hovers about its threshold holds on, and lets go of who has left")
 {
     Scene scene(1, cheapAndGood());

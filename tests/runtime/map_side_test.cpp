@@ -145,11 +145,11 @@ TEST_CASE("maps that do not fit get smaller where the least is seen a byte, none
     };
     const double all = requests[0].bytes(1024) + requests[1].bytes(1024);
 
-    fitSides(requests, all);
+    fitSides(requests, all, 0);
     takeSides(requests);
     CHECK(bytes() == all);
 
-    fitSides(requests, 0.7 * all);
+    fitSides(requests, 0.7 * all, 0);
     takeSides(requests);
     CHECK(bytes() <= 0.7 * all);
     CHECK(sides[0].side() == 1024);
@@ -157,13 +157,13 @@ TEST_CASE("maps that do not fit get smaller where the least is seen a byte, none
     CHECK(sides[1].wanted() == 1024); // what it could show is still known
     CHECK(sides[2].side() == 1024);
 
-    fitSides(requests, 0.0); // nothing goes below the least side: a method may be refused for memory then
+    fitSides(requests, 0.0, 0); // nothing goes below the least side: a method may be refused for memory then
     takeSides(requests);
     CHECK(sides[0].side() == 128);
     CHECK(sides[1].side() == 128);
 
     for (int frame = 0; frame < 12; ++frame) {
-        fitSides(requests, 1.2 * all);
+        fitSides(requests, 1.2 * all, 0);
         takeSides(requests);
     }
     CHECK(bytes() == all);
@@ -175,17 +175,31 @@ TEST_CASE("a light without maps keeps no limit of earlier ones, but has the room
     std::vector<SideRequest> requests{{.side = &drawn, .bytesPerTexel = 48.0, .worth = 1e6},
                                       {.side = &other, .bytesPerTexel = 48.0, .worth = 1.0}};
     const double one = requests[0].bytes(2048);
-    fitSides(requests, one + requests[1].bytes(128));
+    fitSides(requests, one + requests[1].bytes(128), 0);
     CHECK(drawn.affordable() == 2048);
     CHECK(other.affordable() == 128);
     requests[1].drawn = false; // a volume serves
-    fitSides(requests, 2.3 * one);
+    fitSides(requests, 2.3 * one, 0);
     CHECK(other.affordable() == 2048);
-    fitSides(requests, 1.5 * one);
+    fitSides(requests, 1.5 * one, 0);
     CHECK(other.affordable() == 1024); // 0.35 of `one` is left
-    fitSides(requests, one);
+    fitSides(requests, one, 0);
     CHECK(drawn.affordable() == 2048);
     CHECK(other.affordable() == 128);
+}
+
+TEST_CASE("lights without maps are offered room that they may all take, in turns")
+{
+    std::array<MapSide, 3> sides{sideOf(2048.0), sideOf(2048.0), sideOf(2048.0)};
+    std::vector<SideRequest> requests;
+    for (MapSide& side : sides)
+        requests.push_back({.side = &side, .bytesPerTexel = 48.0, .drawn = false});
+    const double one = requests[0].bytes(2048);
+    for (std::uint64_t turn = 0; turn < 6; ++turn) {
+        fitSides(requests, 1.2 * one, turn);
+        for (std::size_t i = 0; i < sides.size(); ++i)
+            CHECK(sides[i].affordable() == (i == turn % 3 ? 2048 : 128));
+    }
 }
 
 TEST_CASE("sides under a tight memory rest: none goes down and up again from frame to frame")
@@ -202,7 +216,7 @@ TEST_CASE("sides under a tight memory rest: none goes down and up again from fra
     }
     std::vector<std::uint32_t> before;
     for (int frame = 0; frame < 200; ++frame) {
-        fitSides(requests, 0.4 * all);
+        fitSides(requests, 0.4 * all, 0);
         takeSides(requests);
         std::vector<std::uint32_t> now;
         double sum = 0.0;
