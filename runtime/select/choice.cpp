@@ -210,9 +210,10 @@ std::uint32_t Rechoice::choose(std::span<const double> facts)
         {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
     if (!record_.priced || !isByRules(choice.reason) || choice.method >= all.size()) return choice.method;
     const std::uint32_t suited =
-        holdsFloor()
+        asksFloor()
             ? suitedWithinFloor(all, choice.method, static_cast<float>(engine_.base().policy.floor.minimumQuality))
-            : choice.method;
+        : keepsFloor() && record_.incumbent < all.size() ? record_.incumbent
+                                                         : choice.method;
     return cheaperEqual(all, suited, record_.guessed ? UINT32_MAX : record_.incumbent);
 }
 
@@ -283,12 +284,17 @@ double Rechoice::valueOf(std::uint32_t method) const
     return utilityOf(record_, candidates_, method);
 }
 
-/// The near floor, by the facts of the last evaluation or held on from before.
-bool Rechoice::holdsFloor() const
+/// Whether the near floor is asked for by the facts of the last evaluation.
+bool Rechoice::asksFloor() const
 {
     const rules::Policy::Floor& floor = engine_.base().policy.floor;
-    const bool heldOn = record_.floor && record_.floorTruth < record_.floorStrength;
-    return !floor.when.empty() && (inference_.floorTruth >= floor.atStrength || heldOn);
+    return !floor.when.empty() && inference_.floorTruth >= floor.atStrength;
+}
+
+/// Whether it held on from before when it was decided.
+bool Rechoice::keepsFloor() const
+{
+    return record_.floor && record_.floorTruth < record_.floorStrength;
 }
 
 /// Methods that are able, not vetoed, spoken of where any is, and good enough as far as any is.
@@ -301,7 +307,7 @@ MethodSet Rechoice::allowed() const
         if (candidates_[m].quantised >= 0) spoken.add(m);
     }
     if (able.meets(spoken)) able &= spoken;
-    if (!holdsFloor()) return able;
+    if (!asksFloor() && !keepsFloor()) return able;
     return plan::withinFloor(able, static_cast<float>(engine_.base().policy.floor.minimumQuality),
                              [&](std::uint32_t m) { return candidates_[m].quality; });
 }

@@ -107,7 +107,8 @@ public:
 
 private:
     std::uint32_t chooseInPlan() const;
-    bool holdsFloor() const;
+    bool asksFloor() const;
+    bool keepsFloor() const;
     MethodSet allowed() const;
     double valueOf(std::uint32_t method) const;
     double takenMs(std::uint32_t method) const noexcept;

@@ -78,7 +78,8 @@ void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
 }
 
 /// Near shadows are exact whatever time says: where the near floor holds, what suits best is sought among what reaches
-/// it.
+/// it. Who was near a moment ago keeps what reaches it: a condition that hovers about its threshold would change the
+/// method with every crossing.
 void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
                           const Budget& budget)
 {
@@ -92,11 +93,12 @@ void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, con
     }
     if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
     const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
-    decision.floor =
-        light.floor || (budget.frame < memory.nearUntil && request.memory->incumbent < methods_.size() &&
-                        withinFloor(all, decision.method, memory.nearQuality).has(request.memory->incumbent));
+    const std::uint32_t own = request.memory->incumbent;
+    const bool keeps = budget.frame < memory.nearUntil && own < methods_.size() &&
+                       withinFloor(all, decision.method, memory.nearQuality).has(own);
+    decision.floor = light.floor || keeps;
     if (!decision.floor) return;
-    request.suited = suitedWithinFloor(all, decision.method, memory.nearQuality);
+    request.suited = light.floor ? suitedWithinFloor(all, decision.method, memory.nearQuality) : own;
     decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
 }
 
@@ -143,15 +145,17 @@ double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32
 
 /// One light serves for a few frames by what shows as much, is not known to be cheaper, and may well be: if it took
 /// `probing.sigma` standard errors less than predicted. What that may cost is saved up for, a small share of all shadow
-/// time. Of all lights and methods, the one most likely to win.
+/// time, at most that of a second or of kExpectedStayFrames, whichever is longer: where a frame takes half a second
+/// nothing could be tried otherwise. Of all lights and methods, the one that would win most.
 void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget)
 {
-    savedMs_ = std::min(savedMs_ + plan::kMostWaste * std::max(budget.measuredMs, 0.0),
-                        plan::kMostWaste * budget.lastSecondMs);
+    const double frameMs = std::max(budget.measuredMs, 0.0);
+    const double wholeMs = std::max(budget.lastSecondMs, frameMs * plan::kExpectedStayFrames);
+    savedMs_ = std::min(savedMs_ + plan::kMostWaste * frameMs, plan::kMostWaste * wholeMs);
     if (policy.probing.everyFrames == 0 || budget.frame < triedUntil_ || budget.cut || !(savedMs_ > 0.0)) return;
     std::size_t light = requests_.size();
     std::uint32_t tried = UINT32_MAX;
-    double least = policy.probing.sigma, ms = 0.0;
+    double mostMs = 0.0, ms = 0.0;
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
         const LightMemory& memory = *request.memory;
@@ -165,11 +169,11 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
             if (m == own || guess.measured || !(guess.ownSigmaMs > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
             // Whether it pays is asked as if all lights had it; what it takes now it takes alone.
             const double over = guess.ms + double{sharesMs_[m]} - double{priceOf(all, own, own)};
-            const double needed = std::max(0.0, over) / guess.ownSigmaMs;
-            if (needed >= least) continue;
+            const double gainMs = policy.probing.sigma * guess.ownSigmaMs - over;
+            if (gainMs <= mostMs) continue;
             const double share = double{shareMs(budget.parts, users, m)};
             const double wasteMs = trialMs(request, own, m, share);
-            if (wasteMs <= savedMs_) light = i, tried = m, least = needed, ms = wasteMs;
+            if (wasteMs <= savedMs_) light = i, tried = m, mostMs = gainMs, ms = wasteMs;
         }
     }
     if (light == requests_.size()) return;
