@@ -101,6 +101,37 @@ TEST_CASE("a map that is drawn in every fourth frame takes a quarter of its upda
     CHECK(model.predict(0, 0, {.redrawEvery = 4.0}, true).ms == doctest::Approx(1.0));
 }
 
+TEST_CASE("of casters in range a traced resolve pays for the share of the view that the light reaches")
+{
+    Workload workload{.pixels = 1e5, .casterTriangles = 2e6, .casters = 3000.0, .viewPixels = 1e6, .treeLevels = 4.0};
+    const auto casters = [&](Pass pass) {
+        const Terms terms = termsOf(workload, pass);
+        return std::pair{terms[size_t(Term::triangles)], terms[size_t(Term::instances)]};
+    };
+    CHECK(casters(Pass::resolve) == std::pair{0.1 * 2.0, 0.1 * 3.0});
+    CHECK(casters(Pass::update) == std::pair{2.0, 3.0});
+    workload.treeLevels = 0.0; // draws them all, whatever they reach
+    CHECK(casters(Pass::resolve) == std::pair{2.0, 3.0});
+    workload = {.pixels = 0.0, .casterTriangles = 2e6, .casters = 3000.0, .viewPixels = 0.0, .treeLevels = 4.0};
+    CHECK(casters(Pass::resolve) == std::pair{2.0, 3.0}); // nothing is known of the view
+}
+
+TEST_CASE("a light by itself is in more doubt than its part of a sum over many")
+{
+    Random random(3);
+    CostModel model;
+    model.resize(kMethods, kLights);
+    calibrate(model);
+    Workload workload = workloadsFor(random)[0];
+    workload.sharing = 1.0;
+    const Prediction alone = model.predict(0, 0, workload, false);
+    CHECK(alone.ownSigmaMs == alone.sigmaMs);
+    workload.sharing = 40.0;
+    const Prediction ofMany = model.predict(0, 0, workload, false);
+    CHECK(ofMany.ownSigmaMs == doctest::Approx(alone.sigmaMs));
+    CHECK(ofMany.sigmaMs < ofMany.ownSigmaMs);
+}
+
 TEST_CASE("a foreign device is known after one frame")
 {
     Random random(3);
