@@ -195,7 +195,7 @@ Status ShadowHost::warmUp()
 
 Status ShadowHost::warmUp(const std::string& method)
 {
-    return statusOf(gnWarmUpMethod(context_, method.c_str()));
+    return method.empty() ? warmUp() : statusOf(gnWarmUpMethod(context_, method.c_str()));
 }
 
 Status ShadowHost::loadRules(const std::string& text, const std::string& fileName, const std::string& preset)

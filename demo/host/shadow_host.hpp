@@ -43,7 +43,7 @@ public:
 
     /// All methods are ready afterwards.
     Status warmUp();
-    /// The method is ready afterwards.
+    /// The method is ready afterwards; empty: all are.
     Status warmUp(const std::string& method);
 
     /// A text or a preset with errors leaves the last good ones in force. \param preset of the text; empty: none.

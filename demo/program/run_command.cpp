@@ -295,7 +295,7 @@ int runCommand(const RunOptions& options)
     setChoices(session.shadows, options.method, choices);
     RuleWatch rules(options.rules); // before they are read: a change from now on is one
     const std::string chooser = chooseMethods(session.shadows, options, options.out);
-    expect(session.shadows.warmUp());
+    expect(session.shadows.warmUp(options.method));
 
     const uint32_t frames = options.frames > 0 ? options.frames : session.scene.frames;
     printStart(session, chooser, frames);
