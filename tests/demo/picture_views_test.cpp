@@ -140,11 +140,15 @@ TEST_CASE("without an error the view is grey, and counts none wrong")
 
 TEST_CASE("the view of texels has the widths that are measured on the CPU")
 {
-    const std::array<std::pair<LightKind, std::string>, 3> cases{
-        {{LightKind::Spot, "shadow_map"}, {LightKind::Point, "cube_map"}, {LightKind::Directional, "cascades"}}};
-    for (const auto& [kind, method] : cases) {
+    struct Case {
+        LightKind kind;
+        std::string method;
+    };
+    for (const Case& each : {Case{LightKind::Spot, "shadow_map"}, Case{LightKind::Point, "cube_map"},
+                             Case{LightKind::Directional, "cascades"}}) {
+        const std::string& method = each.method;
         CAPTURE(method);
-        const Scene scene = twoLights(kind);
+        const Scene scene = twoLights(each.kind);
         Session session(testDevice(), scene, {});
         expect(session.shadows.pinAll(method));
         expect(session.shadows.set(method, kResolutionSetting, 128.0)); // neither end of the colours
@@ -160,7 +164,7 @@ TEST_CASE("the view of texels has the widths that are measured on the CPU")
         const CameraMatrices& camera = session.renderer.camera();
         const std::vector<uint8_t> counted =
             countedPixels(scene, camera, surfaces, scene.lights[1], session.renderer.state().lights[1]);
-        const std::optional<ImageF> widths = measureAliasing(map, kind, camera, surfaces, counted);
+        const std::optional<ImageF> widths = measureAliasing(map, each.kind, camera, surfaces, counted);
         REQUIRE(widths);
         size_t compared = 0, differing = 0;
         double least = INFINITY, most = 0.0;

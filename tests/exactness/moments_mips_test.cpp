@@ -147,7 +147,8 @@ TEST_CASE("smaller maps of every kind and format have the mean over the pixels' 
     Stage coarse(twoDepths(), size);
     const Stage fine(twoDepths(), {size.width * kParts, size.height * kParts});
     constexpr Format kFormats[] = {{0.0, 16.0}, {0.0, 32.0}, {1.0, 32.0}, {3.0, 16.0}, {3.0, 32.0}, {4.0, 16.0}};
-    for (const auto& [kind, bits] : kFormats) {
+    for (const Format& format : kFormats) {
+        const double kind = format.kind, bits = format.bits;
         const auto errors = [&](double mips) {
             const Pictures pictures = coarse.draw(
                 "moments", {{"resolution", 1024.0}, {"kind", kind}, {"bits", bits}, {"bleeding", 0.0}, {"mips", mips}});
