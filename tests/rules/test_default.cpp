@@ -56,7 +56,7 @@ TEST_CASE("default.yaml picks exact methods near and maps far, for spot and for 
     for (const Situation& s : kSituations) {
         CAPTURE(s.what);
         engine.evaluate(std::vector<double>{s.dynamicLights, s.lightMotion, s.viewerDistance, s.screenShare,
-                                            s.casterTriangles, 0.0, 0.5, 0.5, 0.0, 0.0},
+                                            s.casterTriangles, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0},
                         inference);
         CHECK(bestOf(inference, kForSpot) == s.spot);
         CHECK(bestOf(inference, kForPoint) == s.point);
@@ -68,11 +68,11 @@ TEST_CASE("where a frame is recorded a map suits best near the viewer too, and v
     const Engine engine = bound(defaultBase());
     Inference inference = engine.makeInference();
     for (const double distance : {5.0, 80.0}) {
-        engine.evaluate(std::vector<double>{1, 1, distance, 0.5, 5.5, 0.0, 0.5, 0.5, 1.0, 0.0}, inference);
+        engine.evaluate(std::vector<double>{1, 1, distance, 0.5, 5.5, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0}, inference);
         CHECK(bestOf(inference, {"shadow_map", "stencil_volume", "chan_durand"}) == "shadow_map"); // a spot light
         CHECK(bestOf(inference, {"stencil_volume", "cube_map", "chan_durand"}) == "cube_map");     // a point light
     }
-    engine.evaluate(std::vector<double>{1, 1, 5, 0.5, 5.5, 0.0, 0.5, 0.5, 1.0, 0.0}, inference);
+    engine.evaluate(std::vector<double>{1, 1, 5, 0.5, 5.5, 0.0, 0.5, 0.5, 1.0, 0.0, 0.0}, inference);
     const auto suitability = [&](const char* name) { return inference.outputs[placeOf(name)].quantised; };
     CHECK(2 * suitability("stencil_volume") >= suitability("cube_map")); // what is liked half as well may serve
     CHECK(2 * suitability("chan_durand") >= suitability("cube_map"));
@@ -87,7 +87,7 @@ TEST_CASE("near shadows are never best served by a plain map, whatever the other
     for (int i = 0; i < 20'000; ++i) {
         engine.evaluate(std::vector<double>{static_cast<double>(random.below(21)), random.unit(), random.between(0, 30),
                                             random.unit(), random.between(2, 7), random.between(0, 2), random.unit(),
-                                            random.between(0, 2), 0.0, random.between(0, 100)},
+                                            random.between(0, 2), 0.0, random.between(0, 100), random.between(0, 8)},
                         inference);
         const std::string best = bestOf(inference, {"ray_traced", "shadow_map", "stencil_volume", "pcf_hybrid",
                                                     "cube_map", "dual_paraboloid", "chan_durand", "octree_volume"});
@@ -108,7 +108,8 @@ TEST_CASE("no shipped base lets shadows on a single plane serve where receivers 
             const double distance = random.between(0, 90), planarity = random.unit();
             engine.evaluate(std::vector<double>{static_cast<double>(random.below(21)), random.unit(), distance,
                                                 random.unit(), random.between(2, 7), random.between(0, 2), planarity,
-                                                random.between(0, 2), 0.0, random.between(0, 100)},
+                                                random.between(0, 2), 0.0, random.between(0, 100),
+                                                random.between(0, 8)},
                             inference);
             if (!thesis) REQUIRE(inference.outputs[planar].vetoed == (planarity <= 0.5));
             if (thesis || distance < 30.0)
@@ -123,7 +124,7 @@ TEST_CASE("while the viewer distance is unknown every method is acceptable and n
 {
     const Engine engine = bound(defaultBase());
     Inference inference = engine.makeInference();
-    engine.evaluate(std::vector<double>{1, 0.5, kNan, 0.5, 4, 0, 0.5, 0.5, 0.0, 0.0}, inference);
+    engine.evaluate(std::vector<double>{1, 0.5, kNan, 0.5, 4, 0, 0.5, 0.5, 0.0, 0.0, 0.0}, inference);
     for (const OutputState& output : inference.outputs) {
         CHECK(output.hasOpinion);
         CHECK(output.quantised == inference.outputs[0].quantised);

@@ -130,7 +130,7 @@ TEST_CASE("each preset of the default base moves the distance at which exact edg
         const Engine engine = bound(*read.base);
         Inference inference = engine.makeInference();
         const auto best = [&](double distance) {
-            engine.evaluate(std::vector<double>{1, 1, distance, 0.5, 3.5, 0.0, 0.5, 0.5, 0.0, 0.0}, inference);
+            engine.evaluate(std::vector<double>{1, 1, distance, 0.5, 3.5, 0.0, 0.5, 0.5, 0.0, 0.0, 0.0}, inference);
             return winner(engine, inference);
         };
         CHECK(best(expected.exactUpTo) == "stencil_volume");

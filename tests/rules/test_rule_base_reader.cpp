@@ -43,7 +43,7 @@ std::vector<double> decisions(std::string_view text)
     std::vector<double> all;
     for (int i = 0; i <= 20; ++i) {
         engine.evaluate(std::vector<double>{i * 1.0, i / 20.0, i * 4.5, i / 20.0, 2 + i / 4.0, i / 10.0, 0.3, 0.9,
-                                            i % 2 * 1.0, i * 5.0},
+                                            i % 2 * 1.0, i * 5.0, i / 4.0},
                         inference);
         for (const OutputState& output : inference.outputs)
             all.push_back(output.suitability);

@@ -15,7 +15,9 @@ namespace {
 /// Facts of the thesis's two variables; it reads no others.
 std::vector<double> factsOf(double dynamicLights, double viewerDistance)
 {
-    return {dynamicLights, kNan, viewerDistance, kNan, kNan, kNan, kNan, kNan, kNan, kNan};
+    std::vector<double> facts(kFacts.size(), kNan);
+    facts[0] = dynamicLights, facts[2] = viewerDistance;
+    return facts;
 }
 
 struct Step {
