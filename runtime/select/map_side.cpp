@@ -136,11 +136,14 @@ void fitSides(std::span<const SideRequest> requests, double budgetBytes, std::ui
         if (const SideRequest* most = bestOf(requests, returnable, std::greater<>()))
             most->side->limit(2 * most->side->affordable());
     }
+    auto others = std::count_if(requests.begin(), requests.end(), [](const SideRequest& each) { return !each.drawn; });
     for (std::size_t i = 0; i < requests.size(); ++i) {
         const SideRequest& request = requests[(turn + i) % requests.size()];
         if (request.drawn) continue;
-        request.side->limit(sideWithin(request, usable - sum));
+        const double room = std::max(usable - sum, 0.0);
+        request.side->limit(sideWithin(request, i == 0 ? room : room / static_cast<double>(others)));
         sum += request.bytes(request.side->affordable());
+        --others;
     }
 }
 

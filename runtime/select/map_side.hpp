@@ -73,9 +73,9 @@ struct SideRequest {
 
 /// Limits sides so that all maps together fit. What shows least a byte is halved first, again and again; where there is
 /// room once more, one light a frame gets a step back. Below kMapSides.front() nothing goes: methods are refused then.
-/// Maps that are not drawn are limited to the room that is left, one light after another, since all of them may be in
-/// the next frame.
-/// @param turn which light is asked first, modulo their number; another one in every frame
+/// Maps that are not drawn are limited to their share of the room that is left, since all of them may be drawn in the
+/// next frame; one light is offered all of it.
+/// @param turn which light that is, modulo their number; another one in every frame
 void fitSides(std::span<const SideRequest> requests, double budgetBytes, std::uint64_t turn) noexcept;
 
 /// Sides come into force: all at once where maps are drawn in this frame anyway, or memory wants them smaller; and one
