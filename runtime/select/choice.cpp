@@ -209,11 +209,12 @@ std::uint32_t Rechoice::choose(std::span<const double> facts)
         all,
         {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
     if (!record_.priced || !isByRules(choice.reason) || choice.method >= all.size()) return choice.method;
-    const std::uint32_t suited =
-        asksFloor()
-            ? suitedWithinFloor(all, choice.method, static_cast<float>(engine_.base().policy.floor.minimumQuality))
-        : keepsFloor() && record_.incumbent < all.size() ? record_.incumbent
-                                                         : choice.method;
+    const auto minimum = static_cast<float>(engine_.base().policy.floor.minimumQuality);
+    std::uint32_t suited = choice.method;
+    if (asksFloor())
+        suited = suitedWithinFloor(all, choice.method, minimum);
+    else if (keepsFloor() && record_.incumbent < all.size() && all[choice.method].quality < minimum)
+        suited = record_.incumbent;
     return cheaperEqual(all, suited, record_.guessed ? UINT32_MAX : record_.incumbent);
 }
 

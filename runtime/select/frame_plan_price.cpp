@@ -98,7 +98,8 @@ void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, con
                        withinFloor(all, decision.method, memory.nearQuality).has(own);
     decision.floor = light.floor || keeps;
     if (!decision.floor) return;
-    request.suited = light.floor ? suitedWithinFloor(all, decision.method, memory.nearQuality) : own;
+    const bool reaches = all[decision.method].quality >= memory.nearQuality;
+    if (!reaches) request.suited = light.floor ? suitedWithinFloor(all, decision.method, memory.nearQuality) : own;
     decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
 }
 
