@@ -81,9 +81,11 @@ inline constexpr Shape kBudgetMap = yaml::map(kBudgetKeys);
 inline constexpr Shape kBudgetWord = yaml::word(kAutomatic);
 inline constexpr const Shape* kBudgetChoices[] = {&kBudgetWord, &kBudgetMap};
 inline constexpr Shape kBudget = yaml::either(kBudgetChoices);
+inline constexpr Shape kTimes = yaml::number({.low = 1.0, .high = 100.0});
 inline constexpr Key kFloorKeys[] = {
     {"when", &yaml::kText, "a condition, as in rules", true},
     {"minimumQuality", &kShare, "1 / (1 + wrong pixels in per cent); default 0.8"},
+    {"specksTimes", &kTimes, "lights that reach few pixels may be so many times as wrong; default 1"},
     {"atStrength", &kStrength, "default 0.5"},
 };
 inline constexpr Shape kFloor = yaml::map(kFloorKeys);

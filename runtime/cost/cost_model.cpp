@@ -61,6 +61,11 @@ void CostModel::Belief::shift(double by) noexcept
     factor = exp2Exactly(octaves);
 }
 
+double Prediction::luckyMs(double sigmas) const noexcept
+{
+    return ms * exp2Exactly(-sigmas * ownOctaves);
+}
+
 /// @return the part of `error` that this is the reason for
 double CostModel::Belief::take(double error, double otherVariance) noexcept
 {
@@ -157,7 +162,7 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, Pass pass, const 
     out.ms = base.ms * factor;
     out.sigmaOctaves = std::sqrt(variance);
     out.sigmaMs = out.ms * kLn2 * out.sigmaOctaves; // d 2^x = ln 2 2^x dx
-    out.ownSigmaMs = out.ms * kLn2 * std::sqrt(ownVariance);
+    out.ownOctaves = std::sqrt(ownVariance);
     return out;
 }
 
@@ -168,11 +173,13 @@ Prediction CostModel::predict(uint32_t light, uint32_t method, const Workload& w
     const Prediction update = updateSkipped ? Prediction{} : predict(light, method, Pass::update, workload);
     const double redraws = 1.0 / workload.redrawEvery;
     Prediction sum{.ms = redraws * update.ms + resolve.ms,
-                   .sigmaMs = redraws * update.sigmaMs + resolve.sigmaMs,
-                   .ownSigmaMs = redraws * update.ownSigmaMs + resolve.ownSigmaMs};
+                   .sigmaMs = redraws * update.sigmaMs + resolve.sigmaMs};
     sum.familiar = method < methods_.size() && methods_[method].timed;
     sum.measured = (update.measured || update.ms == 0.0) && (resolve.measured || resolve.ms == 0.0) && sum.ms > 0.0;
-    sum.sigmaOctaves = sum.ms > 0.0 ? sum.sigmaMs / (kLn2 * sum.ms) : 0.0;
+    if (sum.ms > 0.0) {
+        sum.sigmaOctaves = sum.sigmaMs / (kLn2 * sum.ms);
+        sum.ownOctaves = (redraws * update.ms * update.ownOctaves + resolve.ms * resolve.ownOctaves) / sum.ms;
+    }
     return sum;
 }
 

@@ -49,13 +49,15 @@ struct Observation {
 struct Prediction {
     double ms = 0.0;
     double sigmaMs = 0.0;      ///< One standard error in a sum over the lights of a view, whose differences even out.
-    double ownSigmaMs = 0.0;   ///< Of this light by itself.
     double sigmaOctaves = 0.0; ///< The same, relative: of log2 ms.
+    double ownOctaves = 0.0;   ///< Of this light by itself.
     bool measured = false;     ///< On this light; else it is the class that speaks,
     bool familiar = false;     ///< or other lights of this scene.
 
     /// What it will hardly exceed: ms, kSure standard errors higher.
     double sureMs() const noexcept;
+    /// What this light may take if the prediction is too high by so many standard errors.
+    double luckyMs(double sigmas) const noexcept;
 };
 
 /// Standard errors that a choice adds to what it does not know. With one, five in six times are below it.

@@ -209,7 +209,7 @@ std::uint32_t Rechoice::choose(std::span<const double> facts)
         all,
         {.incumbent = record_.incumbent, .pinned = record_.pinned, .fallbacks = record_.fallbacks, .hasRules = true});
     if (!record_.priced || !isByRules(choice.reason) || choice.method >= all.size()) return choice.method;
-    const auto minimum = static_cast<float>(engine_.base().policy.floor.minimumQuality);
+    const float minimum = record_.minimumQuality;
     std::uint32_t suited = choice.method;
     if (asksFloor())
         suited = suitedWithinFloor(all, choice.method, minimum);
@@ -309,7 +309,7 @@ MethodSet Rechoice::allowed() const
     }
     if (able.meets(spoken)) able &= spoken;
     if (!asksFloor() && !keepsFloor()) return able;
-    return plan::withinFloor(able, static_cast<float>(engine_.base().policy.floor.minimumQuality),
+    return plan::withinFloor(able, record_.minimumQuality,
                              [&](std::uint32_t m) { return candidates_[m].quality; });
 }
 

@@ -274,11 +274,16 @@ std::string explainWhy(const DecisionRecord& record, const ExplainWords& words)
 
 namespace {
 
-void addFloor(const DecisionRecord& record, const Candidate& candidate, ExplanationLines& lines)
+void addFloor(const DecisionRecord& record, const Candidate& candidate, const ExplainWords& words,
+              ExplanationLines& lines)
 {
     const bool heldOn = record.floorTruth < record.floorStrength;
+    const double ofMany = words.engine ? words.engine->base().policy.floor.minimumQuality : 0.0;
+    const bool reachesFew = double{record.minimumQuality} < ofMany - 0.005; // what two places show
     lines.add("near floor: its quality " + knownText(double{candidate.quality}, 2) + " is below " +
-              knownText(double{record.minimumQuality}, 2) + "; the floor holds because its condition is " +
+              knownText(double{record.minimumQuality}, 2) +
+              (reachesFew ? " (" + knownText(ofMany, 2) + " for a light that reaches more pixels)" : "") +
+              "; the floor holds because its condition is " +
               knownText(double{record.floorTruth}, 2) + " true, and " + knownText(double{record.floorStrength}, 2) +
               (heldOn ? " is enough and was reached a moment ago" : " is enough"));
 }
@@ -320,7 +325,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
         return lines.add("the host pinned " + std::string(methodText(record.method, words.methods)));
     switch (candidate.why) {
     case plan::Why::floor:
-        return addFloor(record, candidate, lines);
+        return addFloor(record, candidate, words, lines);
     case plan::Why::budget:
         return addBudget(record, candidate, lines);
     case plan::Why::hysteresis:

@@ -312,7 +312,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
 {
     const std::uint32_t methods = methods_.size();
     if (modelMethods_ != methods) growModel(slots_);
-    lights_.resize(requests_.size());
+    requestLights(base, budget);
     candidates_.resize(requests_.size() * methods);
     sharesMs_.resize(methods);
     for (std::uint32_t m = 0; m < methods; ++m) {
@@ -328,11 +328,6 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
         SlotHistory& history = histories_[memory.costSlot];
         history.recent[budget.frame % history.recent.size()] = {budget.frame, memory.workload};
         memory.plan.incumbent = memory.incumbent;
-        lights_[i] = {.memory = &memory.plan, .importance = request.importance, .pinned = request.pinned};
-        if (base && request.decision->floorTruth >= base->policy.floor.atStrength && !base->policy.floor.when.empty()) {
-            lights_[i].floor = true;
-            lights_[i].minimumQuality = static_cast<float>(base->policy.floor.minimumQuality);
-        }
         Coarseness coarseness;
         if (memory.texelPixels > 0.0f) coarseness.texels = double{memory.texelPixels} / kUsualTexelPixels;
         if (memory.measured) {
@@ -344,8 +339,11 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
                               ? leastSide(request.decision->method, lights_[i].minimumQuality, coarseness)
                               : 0;
         const std::span<const Cost> costs = predict(memory, budget.frame);
-        // A map that is too coarse grows in the next frames, as far as memory allows.
-        const std::uint32_t side = std::max(request.decision->plainSide, std::min(memory.nearSide, request.mostSide));
+        // A map that is drawn and too coarse grows in the next frames, as far as memory allows. One that would be drawn
+        // now has the side that it has now; where it is too coarse, that grows before the light changes to it.
+        const bool draws = memory.incumbent < methods && methods_[memory.incumbent].followsCoverage();
+        const std::uint32_t grown = draws ? std::min(memory.nearSide, request.mostSide) : 0;
+        const std::uint32_t side = std::max(request.decision->plainSide, grown);
         for (std::uint32_t m = 0; m < methods; ++m) {
             Candidate& from = request.decision->candidates[m];
             const cost::Prediction& cost = costs[m].steady;
@@ -415,6 +413,7 @@ plan::PlanReport FramePlan::decide(const rules::RuleBase* base, const Budget& bu
     }
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightDecision& decision = *requests_[i].decision;
+        if (decision.floor) decision.minimumQuality = requests_[i].memory->plan.nearQuality;
         if (decision.method != UINT32_MAX) decision.predictedMs = decision.candidates[decision.method].predictedMs;
     }
     return report;

@@ -99,6 +99,7 @@ private:
         double sureMs = 0.0;  ///< Candidate::sureMs.
         double firstMs = 0.0; ///< What the first frame takes beyond that.
     };
+    void requestLights(const rules::RuleBase* base, const Budget& budget);
     void fill(const rules::RuleBase* base, const Budget& budget);
     struct Coarseness {
         double texels = 1.0;    ///< Width of the light's texels, times the usual one.

@@ -77,32 +77,6 @@ void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
         takePrice(requests_[i], priced_[i], budget);
 }
 
-/// Near shadows are exact whatever time says: where the near floor holds, what suits best is sought among what reaches
-/// it. Who was near a moment ago keeps what reaches it: a condition that hovers about its threshold would change the
-/// method with every crossing.
-void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
-                          const Budget& budget)
-{
-    LightDecision& decision = *request.decision;
-    plan::LightMemory& memory = request.memory->plan;
-    request.suited = decision.method;
-    if (budget.cut) memory.nearUntil = 0;
-    if (light.floor) {
-        memory.nearUntil = budget.frame + policy.hysteresis.flipWindowFrames;
-        memory.nearQuality = light.minimumQuality;
-    }
-    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
-    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
-    const std::uint32_t own = request.memory->incumbent;
-    const bool keeps = budget.frame < memory.nearUntil && own < methods_.size() &&
-                       withinFloor(all, decision.method, memory.nearQuality).has(own);
-    decision.floor = light.floor || keeps;
-    if (!decision.floor) return;
-    const bool reaches = all[decision.method].quality >= memory.nearQuality;
-    if (!reaches) request.suited = light.floor ? suitedWithinFloor(all, decision.method, memory.nearQuality) : own;
-    decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
-}
-
 /// What was changed for its price stays long enough for its timings to be learned, unless it is costlier by far, or two
 /// methods of about one price would take turns. A choice made before it was measured what the light reaches, when it
 /// may not even be known that it moves, is not worth learning from and binds nobody once that is known; until then it
@@ -113,8 +87,9 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     const LightMemory& memory = *request.memory;
     if (!isByRules(decision.reason) || decision.method >= methods_.size()) return decision.method;
     const std::span all = std::span<const Candidate>(decision.candidates);
+    const std::uint64_t learns = memory.isOnTrial() ? plan::kTrialFrames : kPriceFrames;
     const bool learning =
-        memory.pricedAt != 0 && budget.frame - memory.pricedAt < kPriceFrames && !budget.cut && !memory.guessed;
+        memory.pricedAt != 0 && budget.frame - memory.pricedAt < learns && !budget.cut && !memory.guessed;
     const bool unbound = decision.guessed || (memory.isOnTrial() && !learning);
     const std::uint32_t method = cheaperEqual(all, request.suited, unbound ? UINT32_MAX : memory.incumbent);
     if (!learning || !servesAsWell(all, memory.incumbent, request.suited)) return method;
@@ -141,7 +116,7 @@ double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32
 {
     const std::span all = std::span<const Candidate>(request.decision->candidates);
     const double overMs = double{all[method].sureMs} + shareMs - double{priceOf(all, own, own)};
-    return std::max(overMs, 0.0) * double{kPriceFrames} + double{all[method].firstMs};
+    return std::max(overMs, 0.0) * double{plan::kTrialFrames} + double{all[method].firstMs};
 }
 
 /// One light serves for a few frames by what shows as much, is not known to be cheaper, and may well be: if it took
@@ -167,10 +142,10 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
         const std::span all = std::span<const Candidate>(request.decision->candidates);
         for (std::uint32_t m = 0; m < methods_.size(); ++m) {
             const cost::Prediction& guess = costs[m].steady;
-            if (m == own || guess.measured || !(guess.ownSigmaMs > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
+            if (m == own || guess.measured || !(guess.ownOctaves > 0.0) || !doesAsWell(all, m, own, wanted)) continue;
             // Whether it pays is asked as if all lights had it; what it takes now it takes alone.
-            const double over = guess.ms + double{sharesMs_[m]} - double{priceOf(all, own, own)};
-            const double gainMs = policy.probing.sigma * guess.ownSigmaMs - over;
+            const double luckyMs = guess.luckyMs(policy.probing.sigma) + double{sharesMs_[m]};
+            const double gainMs = double{priceOf(all, own, own)} - luckyMs;
             if (gainMs <= mostMs) continue;
             const double share = double{shareMs(budget.parts, users, m)};
             const double wasteMs = trialMs(request, own, m, share);
@@ -181,7 +156,7 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
     priced_[light] = requests_[light].memory->tried = tried;
     requests_[light].memory->pricedAt = budget.frame;
     savedMs_ -= ms;
-    triedUntil_ = budget.frame + kPriceFrames;
+    triedUntil_ = budget.frame + plan::kTrialFrames;
 }
 
 void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget)
@@ -191,7 +166,7 @@ void FramePlan::takePrice(const Request& request, std::uint32_t method, const Bu
     const bool begins = method == memory.tried && method != memory.incumbent;
     if (isByRules(decision.reason) && !begins && !mayTry(request, method, budget)) method = memory.incumbent;
     const bool onTrial = method == memory.tried;
-    if (!onTrial || budget.frame - memory.pricedAt >= kPriceFrames) memory.tried = UINT32_MAX;
+    if (!onTrial || budget.frame - memory.pricedAt >= plan::kTrialFrames) memory.tried = UINT32_MAX;
     const std::span all = std::span<const Candidate>(decision.candidates);
     const bool forPrice =
         isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));

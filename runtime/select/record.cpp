@@ -86,7 +86,7 @@ RecordHead makeRecord(const LightDecision& decision, const FrameRecord& frame, s
     if (frame.base && !frame.base->policy.floor.when.empty()) {
         head.floorTruth = static_cast<float>(decision.floorTruth);
         head.floorStrength = static_cast<float>(frame.base->policy.floor.atStrength);
-        head.minimumQuality = static_cast<float>(frame.base->policy.floor.minimumQuality);
+        head.minimumQuality = decision.minimumQuality;
         head.floor = decision.floor;
     }
     if (frame.budgeted) {

@@ -91,6 +91,7 @@ struct LightDecision {
     bool floor = false;            ///< Near, or was within the frames of a flip, and time has a say.
     bool floorUnmet = false;       ///< Near, but no eligible method is good enough.
     double floorTruth = 0.0;       ///< How true the rule base's condition for near quality is.
+    float minimumQuality = 0.0f;   ///< What near quality asks of this light, or asked when it was near.
     std::uint32_t pinned = UINT32_MAX;
     float importance = 1.0f;
     plan::Hold hold = plan::Hold::none;
@@ -131,6 +132,7 @@ struct LightMemory {
     double mapWidth = 0.0;      ///< Metres, mapWidth(); 0: not asked for yet.
     double wishedSide = 0.0;    ///< sideFor(), at first a guess; 0: no receiver is visible, or none was looked for.
     std::uint32_t nearSide = 0; ///< Where a map suits best within the near floor: the least side that reaches it.
+    double speckTimes = 1.0;    ///< Within the near floor it may be so many times as wrong as lights of many pixels.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;

@@ -83,6 +83,83 @@ TEST_CASE("within the near floor a light asks for the least side of map that rea
     CHECK(asked(0.5, 0.45f) == 0);
 }
 
+TEST_CASE("within the near floor lights that reach few pixels may be wronger, and all together hardly are")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    rules::RuleBase base = pricedBase();
+    base.policy.floor.when.emplace_back();
+    base.policy.floor.minimumQuality = 0.875;
+    const double asked = wrongOf(0.875f);
+    std::vector<PlanTable::Lamp> lamps(5);
+    for (PlanTable::Lamp& lamp : lamps) {
+        lamp.able = {methodNamed("shadow_map"), methodNamed("ray_traced")};
+        lamp.suited = lamp.memory.incumbent = methodNamed("ray_traced");
+        lamp.memory.measured = true;
+        lamp.floorTruth = 1.0;
+    }
+    lamps.back().floorTruth = 0.0; // far: nothing is asked of it
+    std::uint64_t frame = 0;
+    // What each light may have wrong, as a multiple of the floor's.
+    const auto times = [&](const std::array<float, 5>& shares) {
+        std::array<double, 5> out{};
+        for (std::size_t i = 0; i < lamps.size(); ++i)
+            for (int newest = 0; newest < 5; ++newest) // the middle of five counts
+                lamps[i].memory.share.add(shares[i]);
+        table.predict(plan, lamps, ++frame, {}, &base);
+        for (std::size_t i = 0; i < lamps.size(); ++i)
+            out[i] = wrongOf(lamps[i].decision.minimumQuality) / asked;
+        return out;
+    };
+    for (const double each : times({1.0f, 0.5f, 0.1f, 0.01f, 1.0f})) // by a rule base that does not say so
+        CHECK(each == doctest::Approx(1.0).epsilon(1e-3));
+    base.policy.floor.specksTimes = 7.0;
+    const std::array shares{1.0f, 0.5f, 0.06f, 0.04f, 1.0f};
+    const std::array wronger = times(shares); // near ones reach 0.4 on average, a quarter of which is 0.1
+    CHECK(wronger[0] == doctest::Approx(1.0).epsilon(1e-3));
+    CHECK(wronger[1] == doctest::Approx(1.0).epsilon(1e-3));
+    CHECK(wronger[2] == doctest::Approx(0.1 / 0.06).epsilon(1e-2));
+    CHECK(wronger[3] == doctest::Approx(0.1 / 0.04).epsilon(1e-2));
+    double wrong = 0.0, reached = 0.0;
+    for (std::size_t i = 0; i < 4; ++i)
+        wrong += wronger[i] * double{shares[i]}, reached += double{shares[i]};
+    CHECK(wrong < 1.25 * reached);
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.001f, 1.0f})[3] == doctest::Approx(7.0).epsilon(1e-2)); // at most
+    // A light in a doorway keeps what it has been allowed until that is a quarter too much, or half as much more.
+    const double kept = times({1.0f, 0.5f, 0.08f, 0.03f, 1.0f})[3];
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.035f, 1.0f})[3] == doctest::Approx(kept));
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.025f, 1.0f})[3] == doctest::Approx(kept));
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.06f, 1.0f})[3] < 0.6 * kept);
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.4f, 1.0f})[3] == doctest::Approx(1.0).epsilon(1e-3));
+    lamps[3].memory.measured = false; // what a light reaches is a guess
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.01f, 1.0f})[3] == doctest::Approx(1.0).epsilon(1e-3));
+}
+
+TEST_CASE("a map that is not drawn yet counts with the side that it has now")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    rules::RuleBase base = pricedBase();
+    base.policy.floor.when.emplace_back();
+    const std::uint32_t map = methodNamed("shadow_map"), rays = methodNamed("ray_traced");
+    const double wrongAt1024 = wrongOf(gnomon::qualityOf(table.methods()[map], {}));
+    base.policy.floor.minimumQuality = 1.0 / (1.0 + 1.01 * wrongAt1024 / 2.0); // that of 2048
+    std::vector<PlanTable::Lamp> lamps(1);
+    PlanTable::Lamp& lamp = lamps[0];
+    lamp.able = {map, rays};
+    lamp.suited = map;
+    lamp.floorTruth = 1.0;
+    lamp.mostSide = 4096;
+    lamp.memory.measured = true;
+    lamp.memory.texelPixels = 0.45f;
+    table.predict(plan, lamps, 1, {}, &base);
+    CHECK(lamp.memory.nearSide == 2048); // it grows meanwhile
+    CHECK(wrongOf(qualityOf(lamp, "shadow_map")) == doctest::Approx(wrongAt1024).epsilon(0.01));
+    lamp.memory.incumbent = map;
+    table.predict(plan, lamps, 2, {}, &base);
+    CHECK(wrongOf(qualityOf(lamp, "shadow_map")) == doctest::Approx(wrongAt1024 / 2.0).epsilon(0.01));
+}
+
 TEST_CASE("hard edges cost a method what penumbrae are wide, unless its settings sample the source")
 {
     PlanTable table;

@@ -81,12 +81,13 @@ void SelectorFixture::plan(const Situation& situation, LightDecision& decision, 
     const rules::Policy& policy = engine_.base().policy;
     memory_.incumbent = situation.incumbent;
     plan_.reserve(2, methods);
+    decision.minimumQuality = static_cast<float>(policy.floor.minimumQuality);
     std::vector<plan::LightRequest> lights = {
         {.memory = &memory_,
          .importance = situation.importance,
          .pinned = situation.pinned,
          .floor = !policy.floor.when.empty() && decision.floorTruth >= policy.floor.atStrength,
-         .minimumQuality = static_cast<float>(policy.floor.minimumQuality)},
+         .minimumQuality = decision.minimumQuality},
         {.memory = &other_, .pinned = 0}};
     std::vector<plan::Candidate> candidates;
     for (std::uint32_t m = 0; m < methods; ++m) {

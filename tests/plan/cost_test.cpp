@@ -125,11 +125,13 @@ TEST_CASE("a light by itself is in more doubt than its part of a sum over many")
     Workload workload = workloadsFor(random)[0];
     workload.sharing = 1.0;
     const Prediction alone = model.predict(0, 0, workload, false);
-    CHECK(alone.ownSigmaMs == alone.sigmaMs);
+    CHECK(alone.ownOctaves == doctest::Approx(alone.sigmaOctaves));
     workload.sharing = 40.0;
     const Prediction ofMany = model.predict(0, 0, workload, false);
-    CHECK(ofMany.ownSigmaMs == doctest::Approx(alone.sigmaMs));
-    CHECK(ofMany.sigmaMs < ofMany.ownSigmaMs);
+    CHECK(ofMany.ownOctaves == doctest::Approx(alone.ownOctaves));
+    CHECK(ofMany.sigmaOctaves < ofMany.ownOctaves);
+    CHECK(ofMany.luckyMs(1.0) == doctest::Approx(ofMany.ms * std::exp2(-alone.ownOctaves)));
+    CHECK(ofMany.luckyMs(4.0) > 0.0);
 }
 
 TEST_CASE("a foreign device is known after one frame")

@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+
+#include "runtime/select/frame_plan.hpp"
+
+// What near quality asks of each light.
+namespace gnomon {
+
+namespace {
+
+// What is seen is wrong pixels, not wrong lights: a light that reaches few of them may have a larger share of them
+// wrong. With less than this share of what near lights reach on average it may be wrong on as many pixels as a light of
+// this share, so all of them together add at most this share to what the floor allows.
+constexpr double kFewPixels = 0.25;
+// What is allowed follows the pixels once it is this much too much, or this much more would do: a light in a doorway
+// would else change its method with every step.
+constexpr double kTooMuch = 1.25, kMoreWouldDo = 1.5;
+
+float lessWanted(double minimumQuality, double times)
+{
+    return static_cast<float>(1.0 / (1.0 + times * (1.0 / minimumQuality - 1.0)));
+}
+
+} // namespace
+
+/// Of the plan step, and of choices by price: who is near, and how right each light has to be then.
+void FramePlan::requestLights(const rules::RuleBase* base, const Budget& budget)
+{
+    lights_.resize(requests_.size());
+    const rules::Policy::Floor* const floor = base && !base->policy.floor.when.empty() ? &base->policy.floor : nullptr;
+    double pixels = 0.0, near = 0.0;
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        const Request& request = requests_[i];
+        lights_[i] = {.memory = &request.memory->plan, .importance = request.importance, .pinned = request.pinned};
+        lights_[i].floor = floor && request.decision->floorTruth >= floor->atStrength;
+        if (!lights_[i].floor) continue;
+        pixels += request.memory->workload.pixels;
+        near += 1.0;
+    }
+    if (!floor) return;
+    const double few = kFewPixels * pixels / std::max(near, 1.0);
+    for (std::size_t i = 0; i < requests_.size(); ++i) {
+        LightMemory& memory = *requests_[i].memory;
+        const double reached = std::max(memory.workload.pixels, 1.0);
+        if (memory.measured && std::isinf(memory.distance)) memory.plan.nearUntil = 0; // no receiver of it is visible
+        const double times = memory.measured ? std::clamp(few / reached, 1.0, floor->specksTimes) : 1.0;
+        const bool follows = times * kTooMuch < memory.speckTimes || times > memory.speckTimes * kMoreWouldDo;
+        if (follows || budget.cut || times == 1.0) memory.speckTimes = times;
+        lights_[i].minimumQuality = requests_[i].decision->minimumQuality =
+            lessWanted(floor->minimumQuality, memory.speckTimes);
+    }
+}
+
+/// Near shadows are exact whatever time says: where the near floor holds, what suits best is sought among what reaches
+/// it. Who was near a moment ago keeps what reaches it: a condition that hovers about its threshold would change the
+/// method with every crossing.
+void FramePlan::holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
+                          const Budget& budget)
+{
+    LightDecision& decision = *request.decision;
+    plan::LightMemory& memory = request.memory->plan;
+    request.suited = decision.method;
+    if (budget.cut) memory.nearUntil = 0;
+    if (light.floor) {
+        memory.nearUntil = budget.frame + policy.hysteresis.flipWindowFrames;
+        memory.nearQuality = light.minimumQuality;
+    }
+    if (!isByRules(decision.reason) || decision.method >= methods_.size()) return;
+    const std::span all = std::span<const Candidate>(decision.candidates).first(methods_.size());
+    const std::uint32_t own = request.memory->incumbent;
+    const bool keeps = budget.frame < memory.nearUntil && own < methods_.size() &&
+                       withinFloor(all, decision.method, memory.nearQuality).has(own);
+    decision.floor = light.floor || keeps;
+    if (!decision.floor) return;
+    const bool reaches = all[decision.method].quality >= memory.nearQuality;
+    if (!reaches) request.suited = light.floor ? suitedWithinFloor(all, decision.method, memory.nearQuality) : own;
+    decision.floorUnmet = all[request.suited].quality < memory.nearQuality;
+}
+
+} // namespace gnomon
