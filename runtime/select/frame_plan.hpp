@@ -103,7 +103,7 @@ private:
     void fill(const rules::RuleBase* base, const Budget& budget);
     struct Coarseness {
         double texels = 1.0;    ///< Width of the light's texels, times the usual one.
-        double outlines = 1.0;  ///< Length of its shadows' outlines, likewise; never less.
+        double outlines = 1.0;  ///< Length of its shadows' outlines, likewise.
         double hardEdges = 0.0; ///< penumbraPercent().
     };
     float quality(std::uint32_t method, std::uint32_t side, const Coarseness& light) const;

@@ -136,15 +136,19 @@ void fitSides(std::span<const SideRequest> requests, double budgetBytes, std::ui
         if (const SideRequest* most = bestOf(requests, returnable, std::greater<>()))
             most->side->limit(2 * most->side->affordable());
     }
-    auto others = std::count_if(requests.begin(), requests.end(), [](const SideRequest& each) { return !each.drawn; });
-    for (std::size_t i = 0; i < requests.size(); ++i) {
-        const SideRequest& request = requests[(turn + i) % requests.size()];
-        if (request.drawn) continue;
-        const double room = std::max(usable - sum, 0.0);
-        request.side->limit(sideWithin(request, i == 0 ? room : room / static_cast<double>(others)));
+    const auto isApart = [](const SideRequest& each) { return !each.drawn; };
+    auto others = static_cast<std::uint64_t>(std::count_if(requests.begin(), requests.end(), isApart));
+    const auto offer = [&](const SideRequest& request, double shares) {
+        request.side->limit(sideWithin(request, std::max(usable - sum, 0.0) / shares));
         sum += request.bytes(request.side->affordable());
         --others;
-    }
+    };
+    const SideRequest* whole = nullptr; // is offered all of the room
+    for (std::uint64_t before = others > 0 ? turn % others + 1 : 0; const SideRequest& request : requests)
+        if (isApart(request) && --before == 0) whole = &request;
+    if (whole) offer(*whole, 1.0);
+    for (const SideRequest& request : requests)
+        if (isApart(request) && &request != whole) offer(request, static_cast<double>(others));
 }
 
 void takeSides(std::span<const SideRequest> requests) noexcept

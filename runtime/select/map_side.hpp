@@ -75,7 +75,7 @@ struct SideRequest {
 /// room once more, one light a frame gets a step back. Below kMapSides.front() nothing goes: methods are refused then.
 /// Maps that are not drawn are limited to their share of the room that is left, since all of them may be drawn in the
 /// next frame; one light is offered all of it.
-/// @param turn which light that is, modulo their number; another one in every frame
+/// @param turn which of them that is, modulo their number; another one in every frame
 void fitSides(std::span<const SideRequest> requests, double budgetBytes, std::uint64_t turn) noexcept;
 
 /// Sides come into force: all at once where maps are drawn in this frame anyway, or memory wants them smaller; and one

@@ -12,6 +12,8 @@ using namespace gnomon::test;
 
 namespace {
 
+constexpr float kUsualOutlines = 0.03f; // Reach::outlines of lights for which knowledge holds: frame_plan.cpp
+
 rules::RuleBase pricedBase()
 {
     rules::RuleBase base;
@@ -45,6 +47,7 @@ TEST_CASE("within the near floor a light asks for the least side of map that rea
     lamp.able = {map, rays};
     lamp.suited = lamp.memory.incumbent = map;
     lamp.memory.measured = true;
+    lamp.memory.outlines.add(kUsualOutlines);
     std::uint64_t frame = 0;
     const auto asked = [&](double minimum, float texelPixels) {
         base.policy.floor.minimumQuality = minimum;
@@ -152,6 +155,7 @@ TEST_CASE("a map that is not drawn yet counts with the side that it has now")
     lamp.mostSide = 4096;
     lamp.memory.measured = true;
     lamp.memory.texelPixels = 0.45f;
+    lamp.memory.outlines.add(kUsualOutlines);
     table.predict(plan, lamps, 1, {}, &base);
     CHECK(lamp.memory.nearSide == 2048); // it grows meanwhile
     CHECK(wrongOf(qualityOf(lamp, "shadow_map")) == doctest::Approx(wrongAt1024).epsilon(0.01));

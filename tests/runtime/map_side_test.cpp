@@ -204,6 +204,13 @@ TEST_CASE("lights without maps are offered room that they may all take, in turns
         }
         CHECK(all <= 1.2 * one);
     }
+    requests[1].drawn = true; // has its turn no more
+    sides[1].limit(2048);
+    for (std::uint64_t turn = 0; turn < 6; ++turn) {
+        fitSides(requests, 2.4 * one, turn);
+        CHECK((sides[0].affordable() == 2048) == (turn % 2 == 0));
+        CHECK((sides[2].affordable() == 2048) == (turn % 2 == 1));
+    }
 }
 
 TEST_CASE("sides under a tight memory rest: none goes down and up again from frame to frame")
