@@ -12,8 +12,8 @@ namespace {
 // wrong. With less than this share of what near lights reach on average it may be wrong on as many pixels as a light of
 // this share, so all of them together add at most this share to what the floor allows.
 constexpr double kFewPixels = 0.25;
-// What is allowed follows the pixels once it is this much too much, or this much more would do: a light in a doorway
-// would else change its method with every step.
+// What is allowed follows the pixels once it is this much too much, or this much more would do. A light in a doorway
+// does not change its method with every step.
 constexpr double kTooMuch = 1.25, kMoreWouldDo = 1.5;
 
 float lessWanted(double minimumQuality, double times)

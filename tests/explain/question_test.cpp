@@ -121,6 +121,10 @@ TEST_CASE("the near floor names quality, limit and how true its condition is")
                   {"near floor: its quality 0.70 is below 0.80", "0.53 true", "0.50 is enough"});
     checkContains(whyNot(fixture, record, "stencil_volume"), {"3 casters without topology yet"});
     checkContains(explainWhy(record, fixture.words()), {"near floor holds, quality >= 0.80", "of 98.00 ms usable"});
+    DecisionRecord few = record;
+    few.minimumQuality = 0.72f;
+    checkContains(whyNot(fixture, few, "shadow_map"),
+                  {"near floor: its quality 0.70 is below 0.72 (0.80 for a light that reaches more pixels); the floor"});
 }
 
 TEST_CASE("a method that does not fit the budget names both times, and what the others leave")
