@@ -10,7 +10,7 @@ namespace {
 
 // What is seen is wrong pixels, not wrong lights: a light that reaches few of them may have a larger share of them
 // wrong. With less than this share of what near lights reach on average it may be wrong on as many pixels as a light of
-// this share, so all of them together add at most this share to what the floor allows.
+// this share, so all of them together add at most this share to what the floor allows, times kTooMuch meanwhile.
 constexpr double kFewPixels = 0.25;
 // What is allowed follows the pixels once it is this much too much, or this much more would do. A light in a doorway
 // does not change its method with every step.
