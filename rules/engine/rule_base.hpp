@@ -141,7 +141,7 @@ struct Policy {
     struct Floor {
         Antecedent when;             ///< Empty: no floor.
         double minimumQuality = 0.8; ///< [0, 1].
-        double specksTimes = 1.0;    ///< [1, 100]. Lights that reach few pixels may be so many times as wrong.
+        double oneLightTimes = 1.0;  ///< [1, 100]. One light may be so many times as wrong, where all near ones are not.
         double atStrength = 0.5;     ///< (0, 1]. The floor holds while `when` is at least this true.
     };
     struct Hysteresis {

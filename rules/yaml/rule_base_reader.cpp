@@ -235,7 +235,7 @@ private:
             if (const Node* when = part.find("when"))
                 readSentence(*when, [&](const SentenceText& s) { return parseCondition(s, policy.floor.when, sink_); });
             part.number("minimumQuality", policy.floor.minimumQuality);
-            part.number("specksTimes", policy.floor.specksTimes);
+            part.number("oneLightTimes", policy.floor.oneLightTimes);
             part.number("atStrength", policy.floor.atStrength);
         }
         if (const Node* hysteresis = map.find("hysteresis")) {

@@ -85,7 +85,7 @@ inline constexpr Shape kTimes = yaml::number({.low = 1.0, .high = 100.0});
 inline constexpr Key kFloorKeys[] = {
     {"when", &yaml::kText, "a condition, as in rules", true},
     {"minimumQuality", &kShare, "1 / (1 + wrong pixels in per cent); default 0.8"},
-    {"specksTimes", &kTimes, "lights that reach few pixels may be so many times as wrong; default 1"},
+    {"oneLightTimes", &kTimes, "one light may be so many times as wrong, where all near ones are not; default 1"},
     {"atStrength", &kStrength, "default 0.5"},
 };
 inline constexpr Shape kFloor = yaml::map(kFloorKeys);

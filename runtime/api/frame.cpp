@@ -142,7 +142,9 @@ Result<void> Context::decide(const GnFrameInfo& info, std::span<const Caster> ca
                   .completedFrame = info.completedFrame,
                   .cheapestShare = budget_.cheapestShare(),
                   .frameRate = history_.intervals.rate(),
-                  .rays = deviceRays_.get()});
+                  .rays = deviceRays_.get(),
+                  .hostRays = rays_.get(),
+                  .casters = casters});
     choose(frame_, chooseParts());
     frame_.stats.decideUs = static_cast<float>(msSince(start) * 1000.0);
     return {};

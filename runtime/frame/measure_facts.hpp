@@ -3,6 +3,7 @@
 #include "runtime/accel/device_rays.hpp"
 #include "runtime/base/arena.hpp"
 #include "runtime/frame/frame.hpp"
+#include "runtime/rays/ray_scene.hpp"
 
 namespace gnomon {
 
@@ -20,7 +21,9 @@ struct FactsParts {
     std::uint64_t completedFrame = 0;
     double cheapestShare = 0.0; ///< Of the budget, as the last frame's plan has it.
     double frameRate = 0.0;
-    DeviceRays* rays = nullptr; ///< Null where the device traces none.
+    DeviceRays* rays = nullptr;      ///< Null where the device traces none.
+    RayScene* hostRays = nullptr;    ///< Null where the processor traces none.
+    std::span<const Caster> casters; ///< All, for hostRays.
 };
 
 /// Second stage: fills Frame::lights, and declares the depth grids that are due. @param given one for each of

@@ -278,13 +278,13 @@ void addFloor(const DecisionRecord& record, const Candidate& candidate, const Ex
               ExplanationLines& lines)
 {
     const bool heldOn = record.floorTruth < record.floorStrength;
-    const double ofMany = words.engine ? words.engine->base().policy.floor.minimumQuality : 0.0;
-    const bool reachesFew = double{record.minimumQuality} < ofMany - 0.005; // what two places show
+    const double ofAll = words.engine ? words.engine->base().policy.floor.minimumQuality : 0.0;
+    const bool ofItsOwn = std::fabs(double{record.minimumQuality} - ofAll) > 0.005; // what two places show
     lines.add("near floor: its quality " + knownText(double{candidate.quality}, 2) + " is below " +
               knownText(double{record.minimumQuality}, 2) +
-              (reachesFew ? " (" + knownText(ofMany, 2) + " for a light that reaches more pixels)" : "") +
-              "; the floor holds because its condition is " +
-              knownText(double{record.floorTruth}, 2) + " true, and " + knownText(double{record.floorStrength}, 2) +
+              (ofItsOwn ? " (" + knownText(ofAll, 2) + " for all near lights together)" : "") +
+              "; the floor holds because its condition is " + knownText(double{record.floorTruth}, 2) + " true, and " +
+              knownText(double{record.floorStrength}, 2) +
               (heldOn ? " is enough and was reached a moment ago" : " is enough"));
 }
 

@@ -44,35 +44,6 @@ float orthographicDistance(const CameraView& view)
     return view.constants.pixelSize / kUsualPixelAngle;
 }
 
-/// Some of the tiles that a light reaches, spread over all of them: the stride doubles whenever there are too many.
-class TileSample {
-public:
-    struct Tile {
-        gpu::TilePlane plane;
-        glm::vec2 place; ///< Pixels.
-        glm::vec3 middle;
-    };
-    void add(const ReceiverTile& tile)
-    {
-        if (seen_++ % stride_ != 0) return;
-        if (count_ == kMost) {
-            count_ /= 2;
-            for (std::uint32_t i = 0; i < count_; ++i)
-                tiles_[i] = tiles_[2 * i];
-            stride_ *= 2;
-            if ((seen_ - 1) % stride_ != 0) return;
-        }
-        tiles_[count_++] = {tile.plane, glm::vec2(tile.x, tile.y) * static_cast<float>(kTilePixels), tile.box.center()};
-    }
-    std::span<const Tile> tiles() const { return std::span(tiles_).first(count_); }
-    // A share of 128 tiles is known to 4 %, a third of what divides flat from rough in the shipped rules.
-    static constexpr std::uint32_t kMost = 128;
-
-private:
-    std::array<Tile, kMost> tiles_;
-    std::uint32_t count_ = 0, stride_ = 1, seen_ = 0;
-};
-
 /// Whether the front of the plane, which the eye sees, faces the light.
 bool planeFaces(const CameraView& view, const LightView& light, const TileSample::Tile& tile)
 {
@@ -301,19 +272,32 @@ void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std
     }
 }
 
+void TileSample::add(const ReceiverTile& tile, float nearness)
+{
+    if (seen_++ % stride_ != 0) return;
+    if (count_ == kMost) {
+        count_ /= 2;
+        for (std::uint32_t i = 0; i < count_; ++i)
+            tiles_[i] = tiles_[2 * i];
+        stride_ *= 2;
+        if ((seen_ - 1) % stride_ != 0) return;
+    }
+    tiles_[count_++] = {tile.plane, glm::vec2(tile.x, tile.y) * static_cast<float>(kTilePixels), tile.box.center(),
+                        nearness};
+}
+
 Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, std::uint32_t allTiles,
-                   const LightView& light, std::span<const Caster* const> casters)
+                   const LightView& light, std::span<const Caster* const> casters, TileSample& sample)
 {
     Reach reach{.distance = std::numeric_limits<float>::infinity()};
     std::uint32_t reached = 0;
     double nearnesses = 0.0;
-    TileSample sample;
     for (const ReceiverTile& tile : tiles) {
         if (!reaches(light, tile.box)) continue;
         ++reached;
-        if (tile.whole) sample.add(tile);
-        reach.distance = std::min(reach.distance, tile.distance);
         const float nearness = nearnessOf(light, tile);
+        if (tile.whole) sample.add(tile, nearness);
+        reach.distance = std::min(reach.distance, tile.distance);
         reach.nearness = std::max(reach.nearness, nearness);
         nearnesses += double{nearness};
     }
@@ -393,6 +377,21 @@ float MedianOfFive::get() const
     std::fill(sorted.begin() + n, sorted.end(), std::numeric_limits<float>::infinity()); // places not yet used, last
     std::sort(sorted.begin(), sorted.end());
     return sorted[n / 2];
+}
+
+void TracedOutlines::add(float density, float texelPixels)
+{
+    // Of the first eight the mean; then the newest counts an eighth. What is said follows by steps of a seventh.
+    constexpr std::uint32_t kMean = 8;
+    constexpr float kSame = 0.15f;
+    const bool first = count_ == 0;
+    count_ = std::min(count_ + 1, kMean);
+    const float share = 1.0f / static_cast<float>(count_);
+    mean_ = first ? Outlines{} : mean_;
+    mean_.density += (density - mean_.density) * share;
+    mean_.texels += (density * texelPixels - mean_.texels) * share;
+    const auto isSame = [](float a, float b) { return std::fabs(a - b) <= kSame * b; };
+    if (first || !isSame(mean_.density, taken_.density) || !isSame(mean_.texels, taken_.texels)) taken_ = mean_;
 }
 
 float SecondOfEight::get() const

@@ -66,6 +66,26 @@ float pixelAngleOf(const CameraView& view);
 void receiverTiles(const CameraView& view, std::span<const DepthTile> tiles, std::uint32_t tilesX,
                    std::vector<ReceiverTile>& out);
 
+/// Some of the whole tiles that a light reaches, spread over all of them: the stride doubles whenever there are too
+/// many.
+class TileSample {
+public:
+    struct Tile {
+        gpu::TilePlane plane;
+        glm::vec2 place; ///< Of its corner in the drawn area, pixels.
+        glm::vec3 middle;
+        float nearness; ///< MapCoverage::nearness of a receiver there.
+    };
+    void add(const ReceiverTile& tile, float nearness);
+    std::span<const Tile> tiles() const { return std::span(tiles_).first(count_); }
+    // A share of 256 tiles is known to 3 %, a quarter of what divides flat from rough in the shipped rules.
+    static constexpr std::uint32_t kMost = 256;
+
+private:
+    std::array<Tile, kMost> tiles_;
+    std::uint32_t count_ = 0, stride_ = 1, seen_ = 0;
+};
+
 /// What the newest depth grid says about a light.
 struct Reach {
     float distance = 0.0f;     ///< Eye to the nearest receiver, metres; infinite if none is visible.
@@ -80,8 +100,14 @@ struct Reach {
     /// bounds of a caster, the nearest one taken for what casts.
     float penumbraPixels = 0.0f;
     /// Pixels of shadows' outlines a pixel of these receivers: of every caster whose bounds a way to the light meets, a
-    /// pixel at most. What a map shows wrongly lies along them.
+    /// pixel at most. What a map shows wrongly lies along them. An estimate for where rays do not tell (outlines.hpp).
     float outlines = 0.0f;
+};
+
+/// Outlines of a light's shadows on what a view sees, as rays tell them.
+struct ShadowOutlines {
+    float density = 0.0f;  ///< Pixels of outline a pixel that the light may reach.
+    float nearness = 0.0f; ///< MapCoverage::nearness where the outlines are, on average; 0: there are none.
 };
 
 /// Pixels, in percent of those that the light falls on, where a hard edge in place of a penumbra is off by more than a
@@ -91,9 +117,10 @@ double penumbraPercent(double penumbraPixels, double height);
 
 /// Receivers of a tile lie in the frustum piece between its two depths; a tile counts if the light may reach that
 /// piece. Exact up to the tile: never farther than the true nearest receiver.
-/// @param allTiles Of the grid, sky included. @param casters Of the light.
+/// @param allTiles Of the grid, sky included. @param casters Of the light. @param sample Empty; gets
+/// what it holds of the tiles.
 Reach measureReach(const CameraView& view, std::span<const ReceiverTile> tiles, std::uint32_t allTiles,
-                   const LightView& light, std::span<const Caster* const> casters);
+                   const LightView& light, std::span<const Caster* const> casters, TileSample& sample);
 
 /// Distance below which no receiver of the light can lie: to its range.
 float reachLowerBound(const CameraView& view, const LightView& light);
@@ -123,6 +150,26 @@ struct MedianOfFive {
     void add(float value) { values[count++ % 5] = value; }
     float get() const;
     void reset() { count = 0; }
+};
+
+/// What rays have told of a light's outlines.
+class TracedOutlines {
+public:
+    /// @param texelPixels across a texel of a plain map of 1024 at those outlines
+    void add(float density, float texelPixels);
+    void reset() { count_ = 0; }
+    bool known() const { return count_ > 0; }
+    float density() const { return taken_.density; }
+    /// 0: no outlines.
+    float texelPixels() const { return taken_.density > 0.0f ? taken_.texels / taken_.density : 0.0f; }
+
+private:
+    struct Outlines {
+        float density = 0.0f;
+        float texels = 0.0f; ///< density times texelPixels.
+    };
+    std::uint32_t count_ = 0;
+    Outlines mean_, taken_; ///< Of what was added, and as it is said.
 };
 
 /// The second largest of the last eight values: what recurs among them, but not what stands out once.

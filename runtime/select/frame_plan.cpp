@@ -94,16 +94,6 @@ bool isNear(const cost::Workload& a, const cost::Workload& b)
            isNear(a.treeLevels, b.treeLevels) && a.redrawEvery == b.redrawEvery;
 }
 
-/// Pixels across a texel of a plain map of 1024, on average over a light's receivers, for which the knowledge's wrong
-/// percents hold. Lights of eight shipped scenes with sides by coverage, texels of 0.1 to 30 pixels: the median of what
-/// each implies is 0.58 for one map and 0.37 for six faces, and errors grow as the width to the power of 1.1 and 0.7.
-constexpr double kUsualTexelPixels = 0.45;
-
-/// Reach::outlines for which the knowledge's wrong percents hold, and the least share of it that counts. Of 211 pairs of
-/// a light and shadow_map, cube_map or dual_paraboloid at 1024 texels, in 14 scenes at 640x360, the wrong pixels of all
-/// together are 1.02, 1.00 and 1.01 times what these two expect; one pair differs by 1.7 octaves (root mean square).
-constexpr double kUsualOutlines = 0.03, kLeastOutlines = 0.25;
-
 plan::Eligibility eligibilityOf(Exclusion exclusion)
 {
     if (exclusion == Exclusion::none) return plan::Eligibility::eligible;
@@ -111,13 +101,6 @@ plan::Eligibility eligibilityOf(Exclusion exclusion)
 }
 
 } // namespace
-
-float qualityOf(const Method& method, const cost::KnowledgeBase& knowledge)
-{
-    const double typical = double{method.entry->typicalWrongPercent};
-    return static_cast<float>(
-        cost::measuresOf(knowledge, nullptr, method.entry->name, typical).quality(method.mapSide(kUnmeasuredSide)));
-}
 
 void FramePlan::begin()
 {
@@ -278,25 +261,6 @@ std::span<const FramePlan::Cost> FramePlan::predict(const LightMemory& memory, s
     return costs;
 }
 
-/// Share of the truth that a method keeps with maps of a plain side.
-float FramePlan::quality(std::uint32_t method, std::uint32_t side, const Coarseness& light) const
-{
-    double wrong = double{wrong_[rungOf(side) * methods_.size() + method]};
-    if (methods_[method].coarsens()) wrong *= light.texels;
-    if (!methods_[method].isExact()) wrong *= light.outlines;
-    if (!methods_[method].isSoft()) wrong += light.hardEdges;
-    return static_cast<float>(1.0 / (1.0 + wrong));
-}
-
-/// Of a method whose maps follow coverage, the smallest that keeps so much of the truth; 0: none does, or it has none.
-std::uint32_t FramePlan::leastSide(std::uint32_t method, float least, const Coarseness& light) const
-{
-    if (method >= methods_.size() || !methods_[method].followsCoverage() || methods_[method].isExact()) return 0;
-    const auto keeps = [&](std::uint32_t side) { return quality(method, side, light) >= least; };
-    const auto found = std::find_if(kMapSides.begin(), kMapSides.end(), keeps);
-    return found == kMapSides.end() ? 0 : *found;
-}
-
 /// What a light's incumbent takes while another method fades in; nothing where both show the same.
 double FramePlan::fadeMs(const rules::RuleBase* base, std::uint32_t own, std::uint32_t method,
                          std::span<const Cost> costs) const
@@ -327,13 +291,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
         SlotHistory& history = histories_[memory.costSlot];
         history.recent[budget.frame % history.recent.size()] = {budget.frame, memory.workload};
         memory.plan.incumbent = memory.incumbent;
-        Coarseness coarseness;
-        if (memory.texelPixels > 0.0f) coarseness.texels = double{memory.texelPixels} / kUsualTexelPixels;
-        if (memory.measured) {
-            coarseness.outlines = std::max(double{memory.outlines.get()} / kUsualOutlines, kLeastOutlines);
-            if (memory.workload.softPixels > 0.0)
-                coarseness.hardEdges = penumbraPercent(double{memory.penumbraPixels.get()}, request.height);
-        }
+        const Coarseness coarseness = coarsenessOf(memory, request.height);
         memory.nearSide = lights_[i].floor && request.pinned == UINT32_MAX
                               ? leastSide(request.decision->method, lights_[i].minimumQuality, coarseness)
                               : 0;

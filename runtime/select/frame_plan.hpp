@@ -84,6 +84,13 @@ public:
     /// Whether the newest decide() knew from a timing of this light how long the method takes for it.
     bool isTimed(const LightMemory& memory, std::uint32_t method) const;
 
+    /// What makes a light harder than those that knowledge is of.
+    struct Coarseness {
+        double texels = 1.0;    ///< Width of the light's texels, times the usual one.
+        double outlines = 1.0;  ///< Length of its shadows' outlines, likewise.
+        double hardEdges = 0.0; ///< penumbraPercent().
+    };
+
 private:
     struct Request {
         LightDecision* decision;
@@ -101,11 +108,7 @@ private:
     };
     void requestLights(const rules::RuleBase* base, const Budget& budget);
     void fill(const rules::RuleBase* base, const Budget& budget);
-    struct Coarseness {
-        double texels = 1.0;    ///< Width of the light's texels, times the usual one.
-        double outlines = 1.0;  ///< Length of its shadows' outlines, likewise.
-        double hardEdges = 0.0; ///< penumbraPercent().
-    };
+    Coarseness coarsenessOf(const LightMemory& memory, std::uint32_t height) const;
     float quality(std::uint32_t method, std::uint32_t side, const Coarseness& light) const;
     std::uint32_t leastSide(std::uint32_t method, float least, const Coarseness& light) const;
     void economise(const rules::Policy& policy, const Budget& budget);
@@ -117,6 +120,7 @@ private:
                    const Budget& budget);
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
     void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
+    bool isTrial(const Request& request, std::uint32_t method, const Budget& budget) const;
     bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
     void explainWithoutPlan(const Request& request, bool hasRules) const;
     std::uint32_t slotOf(LightMemory& memory);

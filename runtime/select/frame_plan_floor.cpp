@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "runtime/cost/exponent.hpp"
 #include "runtime/select/frame_plan.hpp"
 
 // What near quality asks of each light.
@@ -8,13 +9,28 @@ namespace gnomon {
 
 namespace {
 
-// What is seen is wrong pixels, not wrong lights: a light that reaches few of them may have a larger share of them
-// wrong. With less than this share of what near lights reach on average it may be wrong on as many pixels as a light of
-// this share, so all of them together add at most this share to what the floor allows, times kTooMuch meanwhile.
+// What is seen is wrong pixels, not wrong lights, so the floor is of all near lights together. A light that reaches
+// less than this share of what they reach on average may be wrong on as many pixels as a light of this share: all of
+// them together add at most this share to what the floor allows, times kTooMuch meanwhile.
 constexpr double kFewPixels = 0.25;
+// With maps of a side s a light is wrong on w / s of its pixels, and they take a + b s^2. What all take is least for so
+// many wrong pixels in all where s goes by w^(1/3), so what is allowed goes by w^(2/3).
+constexpr double kAllowedPower = 2.0 / 3.0;
+// The wrong pixels of a scene's lights together are up to so many times what is expected of them (1.5 in forest_walk,
+// the most of 14 scenes: demo/theses/measurements/2026-11-cost.md#outlines).
+constexpr double kScenesDiffer = 1.5;
+// Lights of hardly any outline are held to this share of what the floor allows at least; w counts in these bounds.
+constexpr double kLeastAllowed = 1.0 / 8.0, kLeastHard = 1.0 / 64.0, kMostHard = 64.0;
 // What is allowed follows the pixels once it is this much too much, or this much more would do. A light in a doorway
 // does not change its method with every step.
 constexpr double kTooMuch = 1.25, kMoreWouldDo = 1.5;
+
+/// What a light may be wrong in, over what others may.
+double allowanceOf(const FramePlan::Coarseness& light)
+{
+    const double hard = std::clamp(light.texels * light.outlines, kLeastHard, kMostHard);
+    return cost::exp2Exactly(kAllowedPower * cost::log2Exactly(hard));
+}
 
 float lessWanted(double minimumQuality, double times)
 {
@@ -28,26 +44,32 @@ void FramePlan::requestLights(const rules::RuleBase* base, const Budget& budget)
 {
     lights_.resize(requests_.size());
     const rules::Policy::Floor* const floor = base && !base->policy.floor.when.empty() ? &base->policy.floor : nullptr;
-    double pixels = 0.0, near = 0.0;
+    double pixels = 0.0, near = 0.0, allowed = 0.0;
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         const Request& request = requests_[i];
         lights_[i] = {.memory = &request.memory->plan, .importance = request.importance, .pinned = request.pinned};
         lights_[i].floor = floor && request.decision->floorTruth >= floor->atStrength;
         if (!lights_[i].floor) continue;
         pixels += request.memory->workload.pixels;
+        allowed += request.memory->workload.pixels * allowanceOf(coarsenessOf(*request.memory, request.height));
         near += 1.0;
     }
     if (!floor) return;
-    const double few = kFewPixels * pixels / std::max(near, 1.0);
+    const double few = kFewPixels * pixels / std::max(near, 1.0), most = floor->oneLightTimes;
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightMemory& memory = *requests_[i].memory;
         const double reached = std::max(memory.workload.pixels, 1.0);
         if (memory.measured && std::isinf(memory.distance)) memory.plan.nearUntil = 0; // no receiver of it is visible
-        const double times = memory.measured ? std::clamp(few / reached, 1.0, floor->specksTimes) : 1.0;
-        const bool follows = times * kTooMuch < memory.speckTimes || times > memory.speckTimes * kMoreWouldDo;
-        if (follows || budget.cut || times == 1.0) memory.speckTimes = times;
+        double times = 1.0;
+        if (memory.measured && most > 1.0) {
+            const double share = allowanceOf(coarsenessOf(memory, requests_[i].height));
+            const double fair = allowed > 0.0 ? std::max(share * pixels / allowed, kLeastAllowed) : 1.0;
+            times = std::min(fair * std::max(few / reached, 1.0), most) / kScenesDiffer;
+        }
+        const bool follows = times * kTooMuch < memory.floorTimes || times > memory.floorTimes * kMoreWouldDo;
+        if (follows || budget.cut || times == 1.0) memory.floorTimes = times;
         lights_[i].minimumQuality = requests_[i].decision->minimumQuality =
-            lessWanted(floor->minimumQuality, memory.speckTimes);
+            lessWanted(floor->minimumQuality, memory.floorTimes);
     }
 }
 

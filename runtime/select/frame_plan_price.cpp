@@ -97,14 +97,19 @@ std::uint32_t FramePlan::forItsPrice(const Request& request, const Budget& budge
     return own > kNotOnePrice * other ? method : memory.incumbent;
 }
 
-/// A method that nobody has timed here is tried on one light at a time, until its timings are known: they are then
-/// expected of all lights. Without anything that serves as well there is nothing to wait with.
-bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budget& budget)
+/// Whether a change to the method would be a trial: nobody has timed it here, and the incumbent serves as well.
+bool FramePlan::isTrial(const Request& request, std::uint32_t method, const Budget& budget) const
 {
     const LightMemory& memory = *request.memory;
-    if (method == memory.incumbent || method >= methods_.size() || budget.cut) return true;
-    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return true;
-    if (!servesAsWell(request.decision->candidates, memory.incumbent, method)) return true;
+    if (method == memory.incumbent || method >= methods_.size() || budget.cut) return false;
+    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return false;
+    return servesAsWell(request.decision->candidates, memory.incumbent, method);
+}
+
+/// Trials are of one light at a time, until the timings are known: they are then expected of all lights.
+bool FramePlan::mayTry(const Request& request, std::uint32_t method, const Budget& budget)
+{
+    if (!isTrial(request, method, budget)) return true;
     if (budget.frame < triedUntil_) return false;
     triedUntil_ = budget.frame + plan::kTrialFrames;
     return true;
@@ -122,13 +127,16 @@ double FramePlan::trialMs(const Request& request, std::uint32_t own, std::uint32
 /// One light serves for a few frames by what shows as much, is not known to be cheaper, and may well be: if it took
 /// `probing.sigma` standard errors less than predicted. What that may cost is saved up for, a small share of all shadow
 /// time, at most that of a second or of kExpectedStayFrames, whichever is longer: where a frame takes half a second
-/// nothing could be tried otherwise. Of all lights and methods, the one that would win most.
+/// nothing could be tried otherwise. Of all lights and methods, the one that would win most. What is predicted to win
+/// goes before (mayTry).
 void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget)
 {
     const double frameMs = std::max(budget.measuredMs, 0.0);
     const double wholeMs = std::max(budget.lastSecondMs, frameMs * plan::kExpectedStayFrames);
     savedMs_ = std::min(savedMs_ + plan::kMostWaste * frameMs, plan::kMostWaste * wholeMs);
     if (policy.probing.everyFrames == 0 || budget.frame < triedUntil_ || budget.cut || !(savedMs_ > 0.0)) return;
+    for (std::size_t i = 0; i < requests_.size(); ++i)
+        if (isByRules(requests_[i].decision->reason) && isTrial(requests_[i], priced_[i], budget)) return;
     std::size_t light = requests_.size();
     std::uint32_t tried = UINT32_MAX;
     double mostMs = 0.0, ms = 0.0;

@@ -132,13 +132,14 @@ struct LightMemory {
     double mapWidth = 0.0;      ///< Metres, mapWidth(); 0: not asked for yet.
     double wishedSide = 0.0;    ///< sideFor(), at first a guess; 0: no receiver is visible, or none was looked for.
     std::uint32_t nearSide = 0; ///< Where a map suits best within the near floor: the least side that reaches it.
-    double speckTimes = 1.0;    ///< Within the near floor it may be so many times as wrong as lights of many pixels.
+    double floorTimes = 1.0;    ///< Within the near floor it may be so many times as wrong as all near lights are.
     bool measured = false;
     std::uint64_t measuredAt = 0; ///< Frame of the newest measurement.
     MedianOfFive share;
     MedianOfFive treeLevels;       ///< Reach::treeLevels; valid if `measured`.
     MedianOfFive penumbraPixels;   ///< Reach::penumbraPixels; likewise.
     MedianOfFive outlines;         ///< Reach::outlines; likewise.
+    TracedOutlines traced;         ///< The same where rays tell.
     MethodArray<float> measuredMs; ///< Newest per method; 0: none.
     std::uint64_t lastFrame = 0;
     plan::LightMemory plan;

@@ -22,6 +22,21 @@ layout(std430, set = 0, binding = 2) writeonly buffer Tiles { DepthTile tiles[];
 
 const uint TILE = PLANE_TILE;
 
+// The plane through the middle of a tile that shows more than one; inverse 0: sky. Of the pixels to either side the
+// closer one is of the same surface.
+TilePlane middlePlane(ivec2 firstPixel)
+{
+    ivec2 middle = firstPixel + ivec2(PLANE_TILE_MIDDLE);
+    float q[5];
+    for (int i = 0; i < 5; ++i) {
+        ivec2 away = i == 0 ? ivec2(0) : i < 3 ? ivec2(2 * i - 3, 0) : ivec2(0, 2 * i - 7);
+        float depth = texelFetch(depthImage, middle + away, 0).x;
+        q[i] = depth == view.skyDepth ? 0.0 : 1.0 / linearDepth(view, depth);
+    }
+    float left = q[0] - q[1], right = q[2] - q[0], up = q[0] - q[3], down = q[4] - q[0];
+    return TilePlane(q[0], abs(left) < abs(right) ? left : right, abs(up) < abs(down) ? up : down, 0.0);
+}
+
 void main()
 {
     uvec2 tile = gl_GlobalInvocationID.xy;
@@ -43,5 +58,7 @@ void main()
     uvec2 first = tile * TILE;
     if (first.x + TILE <= size.x && first.y + TILE <= size.y)
         plane = tilePlane(depthImage, view, ivec2(first + grid.zw));
+    if (first.x + TILE <= size.x && first.y + TILE <= size.y && plane.flatness == 0.0 && !isOrthographic(view))
+        plane = middlePlane(ivec2(first + grid.zw));
     tiles[tile.y * grid.x + tile.x] = DepthTile(nearest, farthest, plane);
 }

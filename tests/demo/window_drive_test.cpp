@@ -351,7 +351,7 @@ void record(Driven& it)
     Driven::press("r");
     const Outcome<Image8> first = readPng(it.folder / "recording_1" / "frame_00000.png", 3);
     REQUIRE_MESSAGE(first, first.error());
-    CHECK(first->texels == it.shown().texels); // it stands still
+    CHECK(differing(*first, it.shown()) < 0.02); // it stands still; the rules may try a method on a light meanwhile
 }
 
 } // namespace
@@ -384,7 +384,7 @@ TEST_CASE("the window shows the scene and a readable panel, and does what keys a
     REQUIRE_MESSAGE(saved, saved.error());
     CHECK(saved->width == kWidth);
     const Image8 still = it.shown();
-    CHECK(saved->texels == still.texels);
+    CHECK(differing(*saved, still) < 0.02); // as in record()
     if (it.scale == 1) {
         record(it);
         tintAndSplit(it, still);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <deque>
 
 #include "explain/plan_table.hpp"
@@ -12,7 +13,7 @@ using namespace gnomon::test;
 
 namespace {
 
-constexpr float kUsualOutlines = 0.03f; // Reach::outlines of lights for which knowledge holds: frame_plan.cpp
+constexpr float kUsualOutlines = 0.03f; // Reach::outlines of lights for which knowledge holds: frame_plan_quality.cpp
 
 rules::RuleBase pricedBase()
 {
@@ -116,26 +117,77 @@ TEST_CASE("within the near floor lights that reach few pixels may be wronger, an
     };
     for (const double each : times({1.0f, 0.5f, 0.1f, 0.01f, 1.0f})) // by a rule base that does not say so
         CHECK(each == doctest::Approx(1.0).epsilon(1e-3));
-    base.policy.floor.specksTimes = 7.0;
+    base.policy.floor.oneLightTimes = 7.0;
+    constexpr double kAll = 1.0 / 1.5; // kScenesDiffer
+    for (PlanTable::Lamp& lamp : lamps)
+        lamp.memory.floorTimes = 0.0; // nothing is kept from before
     const std::array shares{1.0f, 0.5f, 0.06f, 0.04f, 1.0f};
     const std::array wronger = times(shares); // near ones reach 0.4 on average, a quarter of which is 0.1
-    CHECK(wronger[0] == doctest::Approx(1.0).epsilon(1e-3));
-    CHECK(wronger[1] == doctest::Approx(1.0).epsilon(1e-3));
-    CHECK(wronger[2] == doctest::Approx(0.1 / 0.06).epsilon(1e-2));
-    CHECK(wronger[3] == doctest::Approx(0.1 / 0.04).epsilon(1e-2));
+    CHECK(wronger[0] == doctest::Approx(kAll).epsilon(1e-3));
+    CHECK(wronger[1] == doctest::Approx(kAll).epsilon(1e-3));
+    CHECK(wronger[2] == doctest::Approx(kAll * 0.1 / 0.06).epsilon(1e-2));
+    CHECK(wronger[3] == doctest::Approx(kAll * 0.1 / 0.04).epsilon(1e-2));
     double wrong = 0.0, reached = 0.0;
     for (std::size_t i = 0; i < 4; ++i)
         wrong += wronger[i] * double{shares[i]}, reached += double{shares[i]};
-    CHECK(wrong < 1.25 * reached);
-    CHECK(times({1.0f, 0.5f, 0.08f, 0.001f, 1.0f})[3] == doctest::Approx(7.0).epsilon(1e-2)); // at most
+    CHECK(wrong < kAll * 1.25 * reached);
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.001f, 1.0f})[3] == doctest::Approx(kAll * 7.0).epsilon(1e-2)); // at most
     // A light in a doorway keeps what it has been allowed until that is a quarter too much, or half as much more.
     const double kept = times({1.0f, 0.5f, 0.08f, 0.03f, 1.0f})[3];
     CHECK(times({1.0f, 0.5f, 0.08f, 0.035f, 1.0f})[3] == doctest::Approx(kept));
     CHECK(times({1.0f, 0.5f, 0.08f, 0.025f, 1.0f})[3] == doctest::Approx(kept));
     CHECK(times({1.0f, 0.5f, 0.08f, 0.06f, 1.0f})[3] < 0.6 * kept);
-    CHECK(times({1.0f, 0.5f, 0.08f, 0.4f, 1.0f})[3] == doctest::Approx(1.0).epsilon(1e-3));
+    CHECK(times({1.0f, 0.5f, 0.08f, 0.4f, 1.0f})[3] == doctest::Approx(kAll).epsilon(1e-3));
     lamps[3].memory.measured = false; // what a light reaches is a guess
     CHECK(times({1.0f, 0.5f, 0.08f, 0.01f, 1.0f})[3] == doctest::Approx(1.0).epsilon(1e-3));
+}
+
+TEST_CASE("the near floor is of all near lights: outlines allow more to some and less to others")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    rules::RuleBase base = pricedBase();
+    base.policy.floor.when.emplace_back();
+    base.policy.floor.minimumQuality = 0.875;
+    const double asked = wrongOf(0.875f);
+    std::vector<PlanTable::Lamp> lamps(3);
+    for (PlanTable::Lamp& lamp : lamps) {
+        lamp.able = {methodNamed("shadow_map"), methodNamed("ray_traced")};
+        lamp.suited = lamp.memory.incumbent = methodNamed("ray_traced");
+        lamp.memory.measured = true;
+        lamp.memory.share.add(0.5f);
+        lamp.floorTruth = 1.0;
+    }
+    std::uint64_t frame = 0;
+    const auto times = [&](const std::array<float, 3>& densities) {
+        std::array<double, 3> out{};
+        for (std::size_t i = 0; i < lamps.size(); ++i) {
+            lamps[i].memory.traced.reset();
+            lamps[i].memory.traced.add(densities[i], 0.45f);
+            lamps[i].memory.floorTimes = 0.0; // nothing is kept from before
+        }
+        table.predict(plan, lamps, ++frame, {}, &base);
+        for (std::size_t i = 0; i < lamps.size(); ++i)
+            out[i] = wrongOf(lamps[i].decision.minimumQuality) / asked;
+        return out;
+    };
+    for (const double each : times({0.001f, 0.01f, 0.1f})) // each light keeps it by itself
+        CHECK(each == doctest::Approx(1.0).epsilon(1e-3));
+    base.policy.floor.oneLightTimes = 7.0;
+    for (const double each : times({0.02f, 0.02f, 0.02f}))
+        CHECK(each == doctest::Approx(1.0 / 1.5).epsilon(1e-3)); // kScenesDiffer
+    // 1, 8 and 27 times as hard: by maps of sides 1, 2 and 3 they are 1, 4 and 9 times as wrong.
+    const std::array by = times({0.001f, 8.0f * 0.002f - 0.001f, 27.0f * 0.002f - 0.001f});
+    CHECK(by[1] == doctest::Approx(4.0 * by[0]).epsilon(1e-2));
+    CHECK(by[2] == doctest::Approx(9.0 * by[0]).epsilon(1e-2));
+    CHECK(by[0] + by[1] + by[2] == doctest::Approx(3.0 / 1.5).epsilon(1e-2)); // all together
+    CHECK(times({0.0f, 0.0f, 0.5f})[0] == doctest::Approx(1.0 / 8.0 / 1.5).epsilon(1e-2));
+    base.policy.floor.oneLightTimes = 2.0;
+    CHECK(times({0.0f, 0.0f, 0.5f})[2] == doctest::Approx(2.0 / 1.5).epsilon(1e-2)); // at most
+    for (PlanTable::Lamp& lamp : lamps)
+        lamp.floorTruth = 0.0;
+    times({0.0f, 0.0f, 0.5f}); // nobody is near
+    CHECK(std::isfinite(lamps[0].decision.minimumQuality));
 }
 
 TEST_CASE("a map that is not drawn yet counts with the side that it has now")
@@ -162,6 +214,34 @@ TEST_CASE("a map that is not drawn yet counts with the side that it has now")
     lamp.memory.incumbent = map;
     table.predict(plan, lamps, 2, {}, &base);
     CHECK(wrongOf(qualityOf(lamp, "shadow_map")) == doctest::Approx(wrongAt1024 / 2.0).epsilon(0.01));
+}
+
+TEST_CASE("where rays tell of outlines, wrong pixels go by their density and by the texels that they fall on")
+{
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    std::vector<PlanTable::Lamp> lamps(1);
+    PlanTable::Lamp& lamp = lamps[0];
+    lamp.memory.measured = true;
+    lamp.memory.texelPixels = 0.45f;
+    lamp.memory.outlines.add(kUsualOutlines);
+    std::uint64_t frame = 0;
+    const auto wrong = [&](std::string_view method) {
+        table.predict(plan, lamps, ++frame);
+        return wrongOf(qualityOf(lamp, method));
+    };
+    const double usual = wrong("shadow_map"), usualCascades = wrong("cascades");
+    lamp.memory.traced.add(0.009f - 0.001f, 0.45f); // kUsualTraced, kUntraced
+    CHECK(wrong("shadow_map") == doctest::Approx(usual).epsilon(1e-3));
+    CHECK(wrong("cascades") == doctest::Approx(usualCascades).epsilon(1e-3));
+    lamp.memory.traced.reset();
+    lamp.memory.traced.add(3.0f * 0.009f - 0.001f, 0.9f); // outlines where texels are twice as wide as elsewhere
+    CHECK(wrong("shadow_map") == doctest::Approx(6.0 * usual).epsilon(1e-3));
+    CHECK(wrong("cascades") == doctest::Approx(3.0 * usualCascades).epsilon(1e-3)); // its texels follow the view
+    CHECK(wrong("ray_traced") == 0.0);
+    lamp.memory.traced.reset();
+    lamp.memory.traced.add(0.0f, 0.0f); // rays met none: some may lie between them
+    CHECK(wrong("shadow_map") == doctest::Approx(usual / 9.0).epsilon(1e-3));
 }
 
 TEST_CASE("hard edges cost a method what penumbrae are wide, unless its settings sample the source")

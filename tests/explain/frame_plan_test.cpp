@@ -172,6 +172,53 @@ TEST_CASE("without a budget one light at a time tries what may be cheaper, for t
     CHECK(served(0.7f, 0)[0] == 0.0);
 }
 
+TEST_CASE("what is predicted to be cheaper is tried before what only may be")
+{
+    const std::uint32_t own = methodNamed("ray_traced");
+    const std::uint32_t cheaper = methodNamed("tile_shafts"), unsure = methodNamed("coherence_sampling");
+    PlanTable table;
+    FramePlan plan(table.methods(), true);
+    const cost::KnowledgeBase& shipped = cost::shippedKnowledge();
+    REQUIRE(plan.teach(shipped, {shipped.devices.front().device, shipped.devices.front().kind}).methods > 0);
+    rules::RuleBase base;
+    base.options.allocation = rules::Options::Allocation::Budget;
+    base.policy.probing.everyFrames = 60;
+    std::vector<PlanTable::Lamp> lamps(16);
+    for (PlanTable::Lamp& lamp : lamps) {
+        lamp.able = {own};
+        lamp.suited = lamp.memory.incumbent = own;
+        lamp.memory.measured = true;
+    }
+    constexpr float kOwnMs = 1.45f;
+    std::uint64_t frame = 0;
+    std::uint32_t trials = 0, serving = 0; // lights on trial, and with the cheaper one
+    const auto next = [&] {
+        table.predict(plan, lamps, ++frame, {}, &base, 16.0 * double{kOwnMs});
+        trials = serving = 0;
+        for (PlanTable::Lamp& lamp : lamps) {
+            const std::uint32_t method = lamp.decision.method;
+            if (method != lamp.memory.incumbent) lamp.memory.methodSince = frame;
+            lamp.memory.incumbent = method;
+            trials += lamp.decision.reason == GN_REASON_TRIAL;
+            serving += method == cheaper;
+            const float ms = method == own ? kOwnMs : lamp.decision.predictedMs;
+            plan.observe(lamp.memory, method, {.frame = frame, .resolveCpuMs = ms}, false);
+        }
+        plan.endFrame();
+    };
+    while (frame < 600) // time is saved up
+        next();
+    for (std::size_t i = 0; i < lamps.size(); ++i)
+        lamps[i].able.add(i < 14 ? cheaper : unsure);
+    next();
+    CHECK(serving == 1);
+    CHECK(trials == 0);
+    while (frame < 700 && trials == 0)
+        next();
+    CHECK(serving == 14); // all, before another trial begins
+    CHECK(trials == 1);
+}
+
 TEST_CASE("what was chosen before a light was measured holds until it is, and binds nobody then")
 {
     PlanTable table;

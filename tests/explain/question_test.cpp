@@ -124,7 +124,7 @@ TEST_CASE("the near floor names quality, limit and how true its condition is")
     DecisionRecord few = record;
     few.minimumQuality = 0.72f;
     checkContains(whyNot(fixture, few, "shadow_map"),
-                  {"near floor: its quality 0.70 is below 0.72 (0.80 for a light that reaches more pixels); the floor"});
+                  {"near floor: its quality 0.70 is below 0.72 (0.80 for all near lights together); the floor"});
 }
 
 TEST_CASE("a method that does not fit the budget names both times, and what the others leave")

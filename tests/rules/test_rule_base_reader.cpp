@@ -70,7 +70,7 @@ rules:
 otherwise: p is good with 0.1
 policy:
   budget: {shadowCapMs: 4, headroom: 0.05}
-  floor: {when: x is low and x is not high, minimumQuality: 0.7, atStrength: 0.4, specksTimes: 3}
+  floor: {when: x is low and x is not high, minimumQuality: 0.7, atStrength: 0.4, oneLightTimes: 3}
   hysteresis: {planGain: 0.03, upgradesPerFrame: 1, flipWindowFrames: 20, flipBanFrames: 90, crossFadeFrames: 5}
   probing: {everyFrames: 30, sigma: 1.5}
 tuned: {by: hand, from: nowhere, hash: "0"}
@@ -97,7 +97,7 @@ tuned: {by: hand, from: nowhere, hash: "0"}
     CHECK_FALSE(base.policy.budget.automatic);
     CHECK(base.policy.floor.when.size() == 4);
     CHECK(base.policy.floor.atStrength == 0.4);
-    CHECK(base.policy.floor.specksTimes == 3.0);
+    CHECK(base.policy.floor.oneLightTimes == 3.0);
     CHECK(base.policy.hysteresis.flipBanFrames == 90);
     CHECK(base.policy.hysteresis.crossFadeFrames == 5);
     CHECK(base.policy.probing.sigma == 1.5);

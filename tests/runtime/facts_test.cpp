@@ -67,9 +67,15 @@ struct Box {
     }
 };
 
+Reach reachOf(const std::vector<ReceiverTile>& tiles, const LightView& light, std::vector<const Caster*> casters)
+{
+    TileSample sample;
+    return measureReach(camera(), tiles, 1600, light, casters, sample);
+}
+
 float levels(const std::vector<ReceiverTile>& tiles, const LightView& light, std::vector<const Caster*> casters)
 {
-    return measureReach(camera(), tiles, 1600, light, casters).treeLevels;
+    return reachOf(tiles, light, std::move(casters)).treeLevels;
 }
 
 } // namespace
@@ -101,13 +107,13 @@ TEST_CASE("how near receivers are to the light, for the eye's distance, is known
 {
     std::vector<ReceiverTile> tiles = wall(0.0f);
     const LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
-    const Reach even = measureReach(camera(), tiles, 1600, ahead, {});
+    const Reach even = reachOf(tiles, ahead, {});
     CHECK(even.meanNearness == doctest::Approx(0.1));
     tiles.front().distance = 1.0f; // one of 1369
-    const Reach uneven = measureReach(camera(), tiles, 1600, ahead, {});
+    const Reach uneven = reachOf(tiles, ahead, {});
     CHECK(uneven.nearness == doctest::Approx(1.0));
     CHECK(uneven.meanNearness == doctest::Approx(0.1 + 0.9 / 1369.0));
-    CHECK(measureReach(camera(), {}, 1600, ahead, {}).meanNearness == 0.0f);
+    CHECK(reachOf({}, ahead, {}).meanNearness == 0.0f);
 }
 
 TEST_CASE("outlines of shadows are as dense as those of the casters, less what other faces hide")
@@ -121,10 +127,10 @@ TEST_CASE("outlines of shadows are as dense as those of the casters, less what o
         topology.whole.meanSideLength = edges * side; // so many metres a square metre
         topology.whole.meanArea = layers * side;
         const std::vector<const Caster*> casters(times, &screen.caster);
-        return double{measureReach(camera(), rough, 1600, light, casters).outlines};
+        return double{reachOf(rough, light, casters).outlines};
     };
     const LightView ahead = sun(glm::vec3(0.0f, 0.0f, -1.0f));
-    CHECK(measureReach(camera(), rough, 1600, ahead, {}).outlines == 0.0f);
+    CHECK(reachOf(rough, ahead, {}).outlines == 0.0f);
     // A pixel is a centimetre there, 3 % more on the mean.
     CHECK(outlines(ahead, 5.0f, 0.0f) == doctest::Approx(0.05).epsilon(0.05));
     CHECK(outlines(ahead, 5.0f, 0.0f, 3) == doctest::Approx(0.15).epsilon(0.05));
@@ -151,7 +157,7 @@ TEST_CASE("the penumbra is as wide as similar triangles say, in pixels, of what 
 {
     const std::vector<ReceiverTile> rough = wall(0.0f);
     const auto pixels = [&](const LightView& light, std::vector<const Caster*> casters) {
-        return double{measureReach(camera(), rough, 1600, light, casters).penumbraPixels};
+        return double{reachOf(rough, light, casters).penumbraPixels};
     };
     // The wall is at z = -10, pixels there are as wide as 10 m times the camera's.
     const double pixel = 10.0 * double{pixelAngleOf(camera())};
@@ -334,4 +340,27 @@ TEST_CASE("work that methods share is known from a knowledge base of this device
     another.teach(base, algorithms);
     another.teach({}, algorithms); // another base that says nothing
     CHECK(another.parts(1000.0).empty());
+}
+
+TEST_CASE("what rays have told of outlines is a mean, and is said anew when it has changed by a seventh")
+{
+    TracedOutlines traced;
+    CHECK(!traced.known());
+    traced.add(0.0f, 0.0f);
+    CHECK(traced.known());
+    CHECK(traced.density() == 0.0f);
+    CHECK(traced.texelPixels() == 0.0f); // of no outlines
+    traced.add(0.02f, 3.0f);
+    CHECK(traced.density() == doctest::Approx(0.01));
+    CHECK(traced.texelPixels() == doctest::Approx(3.0)); // each outline counts, not each measurement
+    traced.add(0.012f, 3.0f);
+    CHECK(traced.density() == doctest::Approx(0.01)); // the mean is 0.0107
+    for (int i = 0; i < 40; ++i)
+        traced.add(0.04f, 1.0f);
+    CHECK(traced.density() == doctest::Approx(0.04).epsilon(0.16));
+    CHECK(traced.texelPixels() == doctest::Approx(1.0).epsilon(0.16));
+    traced.reset();
+    CHECK(!traced.known());
+    traced.add(0.5f, 2.0f);
+    CHECK(traced.density() == 0.5f); // nothing of before counts
 }

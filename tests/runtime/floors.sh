@@ -38,10 +38,10 @@ table='
 5  runtime/passes           runtime/store runtime/scene runtime/vk runtime/base runtime/include/gnomon
 6  runtime                  runtime/passes shaders/shared
 6  runtime/accel            runtime/passes runtime/scene runtime/vk runtime/base shaders/shared
-7  runtime/select           runtime runtime/passes runtime/plan runtime/cost runtime/scene runtime/vk runtime/base
+7  runtime/select           runtime runtime/passes runtime/plan runtime/cost runtime/rays runtime/scene runtime/vk runtime/base
 7  runtime/select           rules/engine rules/yaml shaders/shared shaders/runtime
-8  runtime/frame            runtime/accel runtime/select runtime/passes runtime/plan runtime/cost runtime/store runtime/scene
-8  runtime/frame            runtime/vk runtime/base runtime/include/gnomon rules/engine shaders/shared shaders/runtime
+8  runtime/frame            runtime/accel runtime/select runtime/passes runtime/plan runtime/cost runtime/store runtime/rays
+8  runtime/frame            runtime/scene runtime/vk runtime/base runtime/include/gnomon rules/engine shaders/shared shaders/runtime
 9  runtime/api              runtime/accel runtime/frame runtime/select runtime runtime/passes runtime/scene runtime/cost runtime/vk
 9  runtime/api              runtime/base runtime/include/gnomon rules/yaml
 7  algorithms/shared        runtime runtime/passes runtime/rays runtime/scene runtime/vk runtime/base shaders/shared
