@@ -12,6 +12,7 @@
 #include "demo/io/file.hpp"
 #include "demo/program/checks.hpp"
 #include "demo/program/commands.hpp"
+#include "demo/program/expected_errors.hpp"
 #include "demo/program/measure.hpp"
 #include "demo/program/progress.hpp"
 #include "demo/scene/scene_file.hpp"
@@ -290,10 +291,11 @@ int check(const CalibrateOptions& options, Device& device, const std::vector<Swe
 
 int calibrateCommand(const CalibrateOptions& options)
 {
-    if (!options.out.empty() || options.check.empty()) requireWritable(outputOf(options));
+    if (!options.out.empty() || (options.check.empty() && options.errors.empty())) requireWritable(outputOf(options));
     if (!options.fit.empty()) return fit(options);
     requireMethods(parseNames(options.methods));
     const std::unique_ptr<Device> device = Device::create({});
+    if (!options.errors.empty()) return expectedErrors(options, *device);
     pinThread(0);
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));
     const int result = options.check.empty() ? calibrate(options, *device, methods) : check(options, *device, methods);

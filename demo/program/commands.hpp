@@ -88,7 +88,9 @@ struct CalibrateOptions {
     std::string out, samples, methods, knowledge, size;
     std::string fit, kind = "software"; ///< Samples to fit instead of measuring, and of what they are.
     double secondsPerMethod = 12.0;
-    std::vector<std::string> check; ///< Scenes; empty: measure the sweep.
+    std::vector<std::string> check;  ///< Scenes; empty: measure the sweep.
+    std::vector<std::string> errors; ///< Scenes whose wrong pixels are held against what is expected, instead.
+    uint32_t map = 1024;             ///< For `errors`: side of maps.
     bool verbose = false;
 };
 int calibrateCommand(const CalibrateOptions& options);

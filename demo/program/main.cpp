@@ -248,9 +248,26 @@ void addCalibrate(CLI::App& app, CalibrateOptions& options, int& exitCode)
             ->excludes(fit);
     calibrate->add_option("--knowledge", options.knowledge, "with --check: a path, or the name of a shipped one")
         ->needs(check);
-    calibrate->add_option("--size", options.size, "with --check: picture size; default: the scene's")->needs(check);
+    auto* errors = calibrate
+                       ->add_option("--errors", options.errors,
+                                    "scenes whose wrong pixels are held against what is expected, light by light, "
+                                    "instead of calibrating")
+                       ->excludes(seconds)
+                       ->excludes(fit)
+                       ->excludes(check)
+                       ->excludes("--samples")
+                       ->excludes("--out");
+    calibrate->add_option("--map", options.map, "with --errors: side of maps")
+        ->needs(errors)
+        ->check(CLI::Range(16, 8192))
+        ->capture_default_str();
+    calibrate->add_option("--size", options.size, "with --check or --errors: picture size; default: the scene's");
     calibrate->add_flag("--verbose", options.verbose, "with --check: a line per light, method and pass")->needs(check);
-    calibrate->callback([&] { exitCode = calibrateCommand(options); });
+    calibrate->callback([&] {
+        if (!options.size.empty() && options.check.empty() && options.errors.empty())
+            throw CLI::RequiresError("--size", "--check or --errors");
+        exitCode = calibrateCommand(options);
+    });
 }
 
 void addReport(CLI::App& app, ReportOptions& options, int& exitCode)

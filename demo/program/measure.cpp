@@ -108,13 +108,6 @@ std::optional<uint32_t> unpinnedLight(const Session& session)
     return std::nullopt;
 }
 
-void drawOnce(Session& session, double time, bool recorded)
-{
-    const CameraState camera = session.camera(time);
-    session.renderer.draw({.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
-    session.renderer.waitForFrame();
-}
-
 /// Truth::soft. \pre the truth's method is pinned, and ready
 std::vector<Image8> softTruth(Session& session, double time)
 {
@@ -132,6 +125,13 @@ std::vector<Image8> softTruth(Session& session, double time)
 }
 
 } // namespace
+
+void drawOnce(Session& session, double time, bool recorded)
+{
+    const CameraState camera = session.camera(time);
+    session.renderer.draw({.time = time, .cameras = {&camera, 1}, .shadows = &session.shadows, .recorded = recorded});
+    session.renderer.waitForFrame();
+}
 
 std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time)
 {

@@ -56,6 +56,9 @@ struct Truth {
 /// Empty where this build has no ray tracing.
 std::optional<Truth> measureTruth(Device& device, const Scene& scene, VkExtent2D size, double time);
 
+/// One frame of the first view, and a wait for it.
+void drawOnce(Session& session, double time, bool recorded);
+
 /// Draws until `method`, which all lights are pinned to, serves them (warm-up of that method alone, workers), then
 /// leaves the newest frame at `time`. Throws HostError with gnomon's explanation where it does not come to serve them,
 /// for want of memory for instance.

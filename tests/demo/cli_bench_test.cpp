@@ -175,6 +175,7 @@ TEST_CASE("a light that is there for a part of the scene is traced, and missed a
         {"trace short.yaml --frames 3", "has no light in any frame"},
         {"trace scenario --frames 65536 --lights 32 --methods shadow_map", "more than a trace may hold"},
         {"contact short.yaml --methods shadow_map --size 64x48", "shadow_map is left out: none of its lights is there"},
+        {"calibrate --errors room --methods ray_traced", "--methods ray_traced: none of them has maps"},
         {"calibrate --check short.yaml --methods shadow_map", "has no light at any of the 3 moments"},
     };
     for (const auto& entry : refused) {

@@ -399,6 +399,11 @@ TEST_CASE(
     for (const char* line : {"device factor ", "\nshadow_map  ", "\nray_traced  ", "\nall lights and methods "})
         CHECK_MESSAGE(checked.output.find(line) != std::string::npos, checked.output);
     CHECK(checked.output.find("left out") == std::string::npos); // all alternations saw the same lights and passes
+    const Ran errors = gnomonProgram("calibrate --errors room --methods shadow_map,cube_map --map 256 --size 320x180");
+    CHECK(errors.exitCode == 0);
+    for (const char* line : {"room         spot1            shadow_map", "room         point2           cube_map",
+                             "\nshadow_map: 2 lights, wrong pixels ", "\ncube_map: 2 lights, wrong pixels "})
+        CHECK_MESSAGE(errors.output.find(line) != std::string::npos, errors.output);
 }
 
 TEST_CASE("rules edited during a run come into force and into its folder, and are said to be missing when they are")
