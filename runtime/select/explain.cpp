@@ -176,6 +176,11 @@ std::string gainText(const DecisionRecord& record, std::uint32_t method)
     return "it is worth " + percent(gain) + " more, a change needs more than " + percent(double{record.threshold});
 }
 
+std::string heldText(const DecisionRecord& record, std::uint32_t method)
+{
+    return std::string("held: ") + holdText(record.hold) + (record.budgeted ? "; " + gainText(record, method) : "");
+}
+
 /// What the plan put aside that the rules like better, and why.
 std::string passedOverLine(const DecisionRecord& record, const ExplainWords& words)
 {
@@ -188,8 +193,7 @@ std::string passedOverLine(const DecisionRecord& record, const ExplainWords& wor
         return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but needs " +
                changeCostText(wanted);
     case plan::Why::hysteresis:
-        return name + " would be better, but is held: " + holdText(record.hold) + "; " +
-               gainText(record, record.wanted);
+        return name + " would be better, but is " + heldText(record, record.wanted);
     case plan::Why::floor:
         return name + " suits better (" + knownText(suitabilityOf(wanted), 2) + "), but its quality " +
                knownText(double{wanted.quality}, 2) + " is below the near floor";
@@ -329,7 +333,7 @@ void addElimination(const DecisionRecord& record, std::uint32_t method, const Ex
     case plan::Why::budget:
         return addBudget(record, candidate, lines);
     case plan::Why::hysteresis:
-        return lines.add(std::string("held: ") + holdText(record.hold) + "; " + gainText(record, method));
+        return lines.add(heldText(record, method));
     case plan::Why::price:
         if (record.method >= record.methods) return; // the plan's choice could not be made after all
         return lines.add("it suits better (" + knownText(suitabilityOf(candidate), 2) + "), but " +

@@ -87,7 +87,7 @@ const char* holdText(plan::Hold hold)
         "not held",
         "the change would not gain enough",
         "there is time for it, but not with its first frame and a margin",
-        "other lights were upgraded in this frame",
+        "other lights change in this frame",
         "the plan has not been within its budget for long enough",
         "the light has just left it",
         "its first frame costs more than the stay would gain",

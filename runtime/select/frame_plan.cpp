@@ -194,8 +194,7 @@ const TimedLight* FramePlan::timed(const LightMemory& memory) const
 
 bool FramePlan::isTimed(const LightMemory& memory, std::uint32_t method) const
 {
-    const std::size_t cell = std::size_t{memory.costSlot} * methods_.size() + method;
-    return memory.costSlot < slots_ && method < methods_.size() && costs_[cell].steady.measured;
+    return memory.costSlot < slots_ && method < methods_.size() && costs_[cellOf(memory, method)].steady.measured;
 }
 
 void FramePlan::forget(LightMemory& memory)

@@ -111,6 +111,10 @@ private:
     Coarseness coarsenessOf(const LightMemory& memory, std::uint32_t height) const;
     float quality(std::uint32_t method, std::uint32_t side, const Coarseness& light) const;
     std::uint32_t leastSide(std::uint32_t method, float least, const Coarseness& light) const;
+    std::size_t cellOf(const LightMemory& memory, std::uint32_t method) const
+    {
+        return std::size_t{memory.costSlot} * methods_.size() + method;
+    }
     void economise(const rules::Policy& policy, const Budget& budget);
     void tryUnknown(const rules::Policy& policy, std::span<const std::int32_t> users, const Budget& budget);
     double trialMs(const Request& request, std::uint32_t own, std::uint32_t method, double shareMs) const;
@@ -119,7 +123,7 @@ private:
     void holdFloor(Request& request, const plan::LightRequest& light, const rules::Policy& policy,
                    const Budget& budget);
     std::uint32_t forItsPrice(const Request& request, const Budget& budget) const;
-    void takePrice(const Request& request, std::uint32_t method, const Budget& budget);
+    double takePrice(const Request& request, std::uint32_t method, const Budget& budget, double roomMs);
     bool isTrial(const Request& request, std::uint32_t method, const Budget& budget) const;
     bool mayTry(const Request& request, std::uint32_t method, const Budget& budget);
     void explainWithoutPlan(const Request& request, bool hasRules) const;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "runtime/plan/utility.hpp"
@@ -73,8 +74,15 @@ void FramePlan::economise(const rules::Policy& policy, const Budget& budget)
         }
     }
     tryUnknown(policy, shared, budget);
+    double steadyMs = 0.0, firstMs = 0.0;
     for (std::uint32_t i = 0; i < lights; ++i)
-        takePrice(requests_[i], priced_[i], budget);
+        if (requests_[i].memory->incumbent < methods_.size())
+            steadyMs += costs_[cellOf(*requests_[i].memory, requests_[i].memory->incumbent)].steady.ms;
+    for (std::uint32_t k = 0; k < lights; ++k) {
+        const auto i = static_cast<std::uint32_t>((k + budget.frame) % lights); // where not all may, they take turns
+        const double roomMs = firstMs > 0.0 ? std::max(plan::kMostFirst * steadyMs - firstMs, 0.0) : HUGE_VAL;
+        firstMs += takePrice(requests_[i], priced_[i], budget, roomMs);
+    }
 }
 
 /// What was changed for its price stays long enough for its timings to be learned, unless it is costlier by far, or two
@@ -102,7 +110,7 @@ bool FramePlan::isTrial(const Request& request, std::uint32_t method, const Budg
 {
     const LightMemory& memory = *request.memory;
     if (method == memory.incumbent || method >= methods_.size() || budget.cut) return false;
-    if (costs_[std::size_t{memory.costSlot} * methods_.size() + method].steady.familiar) return false;
+    if (costs_[cellOf(memory, method)].steady.familiar) return false;
     return servesAsWell(request.decision->candidates, memory.incumbent, method);
 }
 
@@ -167,24 +175,42 @@ void FramePlan::tryUnknown(const rules::Policy& policy, std::span<const std::int
     triedUntil_ = budget.frame + plan::kTrialFrames;
 }
 
-void FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget)
+/// Makes the choice final. Where the incumbent serves as well, a change waits until there is room for its first frame:
+/// all first frames in one frame take half of what all lights take, at most, but for one light's.
+/// @return ms that it takes of the room
+double FramePlan::takePrice(const Request& request, std::uint32_t method, const Budget& budget, double roomMs)
 {
     LightDecision& decision = *request.decision;
     LightMemory& memory = *request.memory;
     const bool begins = method == memory.tried && method != memory.incumbent;
-    if (isByRules(decision.reason) && !begins && !mayTry(request, method, budget)) method = memory.incumbent;
+    const bool byRules = isByRules(decision.reason);
+    double firstMs = 0.0;
+    if (byRules && !begins && method != memory.incumbent && !budget.cut &&
+        servesAsWell(decision.candidates, memory.incumbent, method)) {
+        firstMs = costs_[cellOf(memory, method)].firstMs;
+        if (firstMs > roomMs) {
+            if (decision.method != memory.incumbent) {
+                decision.wanted = std::exchange(decision.method, memory.incumbent);
+                decision.reason = GN_REASON_HELD;
+                decision.hold = plan::Hold::quota;
+            }
+            return 0.0;
+        }
+    }
+    if (byRules && !begins && !mayTry(request, method, budget)) method = memory.incumbent, firstMs = 0.0;
     const bool onTrial = method == memory.tried;
     if (!onTrial || budget.frame - memory.pricedAt >= plan::kTrialFrames) memory.tried = UINT32_MAX;
     const std::span all = std::span<const Candidate>(decision.candidates);
     const bool forPrice =
         isByRules(decision.reason) && (method != decision.method || servesAsWell(all, memory.incumbent, method));
     if (forPrice && method != memory.incumbent) memory.pricedAt = budget.frame;
-    if (method == decision.method) return;
+    if (method == decision.method) return firstMs;
     decision.wanted = decision.method;
     decision.method = method;
     decision.reason = memory.isOnTrial()                  ? GN_REASON_TRIAL
                       : request.suited != decision.wanted ? GN_REASON_FLOOR
                                                           : GN_REASON_PRICE;
+    return firstMs;
 }
 
 /// The best suitability decided: why every other method lost.
@@ -196,12 +222,13 @@ void FramePlan::explainWithoutPlan(const Request& request, bool hasRules) const
     const bool forPrice = decision.reason == GN_REASON_PRICE || decision.reason == GN_REASON_FLOOR;
     for (std::uint32_t m = 0; m < methods_.size(); ++m) {
         Candidate& candidate = decision.candidates[m];
-        candidate.why = m == decision.method                       ? plan::Why::chosen
-                        : candidate.exclusion == Exclusion::vetoed ? plan::Why::never
-                        : candidate.exclusion != Exclusion::none   ? plan::Why::trait
-                        : decision.reason == GN_REASON_PINNED      ? plan::Why::pinned
-                        : hasRules && candidate.quantised < 0      ? plan::Why::noOpinion
-                        : candidate.quality < limit                ? plan::Why::floor
+        candidate.why = m == decision.method                                        ? plan::Why::chosen
+                        : candidate.exclusion == Exclusion::vetoed                  ? plan::Why::never
+                        : candidate.exclusion != Exclusion::none                    ? plan::Why::trait
+                        : decision.reason == GN_REASON_PINNED                       ? plan::Why::pinned
+                        : hasRules && candidate.quantised < 0                       ? plan::Why::noOpinion
+                        : candidate.quality < limit                                 ? plan::Why::floor
+                        : decision.reason == GN_REASON_HELD && m == decision.wanted ? plan::Why::hysteresis
                         : forPrice && decision.method < methods_.size() &&
                                 candidate.quantised > decision.candidates[decision.method].quantised
                             ? plan::Why::price

@@ -191,13 +191,20 @@ TEST_CASE("what is predicted to be cheaper is tried before what only may be")
     }
     constexpr float kOwnMs = 1.45f;
     std::uint64_t frame = 0;
-    std::uint32_t trials = 0, serving = 0; // lights on trial, and with the cheaper one
+    std::uint32_t trials = 0, serving = 0, changing = 0; // lights on trial, with the cheaper one; frames with changes
     const auto next = [&] {
         table.predict(plan, lamps, ++frame, {}, &base, 16.0 * double{kOwnMs});
         trials = serving = 0;
+        std::uint32_t changes = 0;
+        double firstMs = 0.0, steadyMs = 0.0;
         for (PlanTable::Lamp& lamp : lamps) {
             const std::uint32_t method = lamp.decision.method;
-            if (method != lamp.memory.incumbent) lamp.memory.methodSince = frame;
+            steadyMs += double{lamp.candidates[lamp.memory.incumbent].predictedMs};
+            if (method != lamp.memory.incumbent) {
+                lamp.memory.methodSince = frame;
+                firstMs += double{lamp.candidates[method].firstMs}; // without a fade: both are exact
+                ++changes;
+            }
             lamp.memory.incumbent = method;
             trials += lamp.decision.reason == GN_REASON_TRIAL;
             serving += method == cheaper;
@@ -205,6 +212,8 @@ TEST_CASE("what is predicted to be cheaper is tried before what only may be")
             plan.observe(lamp.memory, method, {.frame = frame, .resolveCpuMs = ms}, false);
         }
         plan.endFrame();
+        changing += changes > 0;
+        CHECK((changes <= 1 || firstMs <= plan::kMostFirst * steadyMs)); // no frame takes far longer than others
     };
     while (frame < 600) // time is saved up
         next();
@@ -216,6 +225,7 @@ TEST_CASE("what is predicted to be cheaper is tried before what only may be")
     while (frame < 700 && trials == 0)
         next();
     CHECK(serving == 14); // all, before another trial begins
+    CHECK(changing > 2);  // though not at once
     CHECK(trials == 1);
 }
 

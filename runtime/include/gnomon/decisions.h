@@ -18,7 +18,7 @@ typedef enum GnReason {
                                   ///< decided.
     GN_REASON_BUDGET = 6,         ///< The plan: the best suitability does not fit the budget.
     GN_REASON_HELD = 7,           ///< The plan would change it, but does not yet: the gain is below the threshold,
-                                  ///< others were upgraded in this frame, there has not been room in the budget for
+                                  ///< others change in this frame, there has not been room in the budget for
                                   ///< long enough, the method flipped lately, the first frame of another one costs more
                                   ///< than it gains, others would give up more, or another light tries it first.
     GN_REASON_PRICE = 8,          ///< Another one suits better, but this one shows as much for less, or more for about
