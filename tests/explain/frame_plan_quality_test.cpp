@@ -34,6 +34,28 @@ double wrongOf(float quality)
     return 1.0 / double{quality} - 1.0;
 }
 
+/// A near floor of quality 0.875.
+rules::RuleBase flooredBase()
+{
+    rules::RuleBase base = pricedBase();
+    base.policy.floor.when.emplace_back();
+    base.policy.floor.minimumQuality = 0.875;
+    return base;
+}
+
+/// Lights that it holds for.
+std::vector<PlanTable::Lamp> nearLamps(std::size_t count)
+{
+    std::vector<PlanTable::Lamp> lamps(count);
+    for (PlanTable::Lamp& lamp : lamps) {
+        lamp.able = {methodNamed("shadow_map"), methodNamed("ray_traced")};
+        lamp.suited = lamp.memory.incumbent = methodNamed("ray_traced");
+        lamp.memory.measured = true;
+        lamp.floorTruth = 1.0;
+    }
+    return lamps;
+}
+
 } // namespace
 
 TEST_CASE("within the near floor a light asks for the least side of map that reaches it")
@@ -91,17 +113,9 @@ TEST_CASE("within the near floor lights that reach few pixels may be wronger, an
 {
     PlanTable table;
     FramePlan plan(table.methods(), true);
-    rules::RuleBase base = pricedBase();
-    base.policy.floor.when.emplace_back();
-    base.policy.floor.minimumQuality = 0.875;
+    rules::RuleBase base = flooredBase();
     const double asked = wrongOf(0.875f);
-    std::vector<PlanTable::Lamp> lamps(5);
-    for (PlanTable::Lamp& lamp : lamps) {
-        lamp.able = {methodNamed("shadow_map"), methodNamed("ray_traced")};
-        lamp.suited = lamp.memory.incumbent = methodNamed("ray_traced");
-        lamp.memory.measured = true;
-        lamp.floorTruth = 1.0;
-    }
+    std::vector<PlanTable::Lamp> lamps = nearLamps(5);
     lamps.back().floorTruth = 0.0; // far: nothing is asked of it
     std::uint64_t frame = 0;
     // What each light may have wrong, as a multiple of the floor's.
@@ -146,18 +160,11 @@ TEST_CASE("the near floor is of all near lights: outlines allow more to some and
 {
     PlanTable table;
     FramePlan plan(table.methods(), true);
-    rules::RuleBase base = pricedBase();
-    base.policy.floor.when.emplace_back();
-    base.policy.floor.minimumQuality = 0.875;
+    rules::RuleBase base = flooredBase();
     const double asked = wrongOf(0.875f);
-    std::vector<PlanTable::Lamp> lamps(3);
-    for (PlanTable::Lamp& lamp : lamps) {
-        lamp.able = {methodNamed("shadow_map"), methodNamed("ray_traced")};
-        lamp.suited = lamp.memory.incumbent = methodNamed("ray_traced");
-        lamp.memory.measured = true;
+    std::vector<PlanTable::Lamp> lamps = nearLamps(3);
+    for (PlanTable::Lamp& lamp : lamps)
         lamp.memory.share.add(0.5f);
-        lamp.floorTruth = 1.0;
-    }
     std::uint64_t frame = 0;
     const auto times = [&](const std::array<float, 3>& densities) {
         std::array<double, 3> out{};

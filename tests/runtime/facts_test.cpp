@@ -10,22 +10,12 @@
 #include "runtime/scene/topology.hpp"
 #include "runtime/select/facts.hpp"
 #include "runtime/select/shared_parts.hpp"
+#include "tests/runtime/view_fixture.hpp"
 
 using namespace gnomon;
+using namespace gnomon::test;
 
 namespace {
-
-/// Looks along -z from the origin, a pixel a milliradian.
-CameraView camera()
-{
-    CameraView view;
-    view.area = {{0, 0}, {640, 640}};
-    view.constants.rayCornerWs = glm::vec4(-0.32f, 0.32f, -1.0f, 0.0f);
-    view.constants.rayDxWs = glm::vec4(0.001f, 0.0f, 0.0f, 0.0f);
-    view.constants.rayDyWs = glm::vec4(0.0f, -0.001f, 0.0f, 0.0f);
-    view.constants.pixelSize = 0.001f;
-    return view;
-}
 
 /// A wall across the view, ten metres away, of 37 x 37 tiles around the middle: a stride of 16 meets every column.
 std::vector<ReceiverTile> wall(float flatness)

@@ -6,6 +6,7 @@
 
 #include "runtime/ray_fixture.hpp"
 #include "runtime/select/outlines.hpp"
+#include "tests/runtime/view_fixture.hpp"
 
 using namespace gnomon;
 using namespace gnomon::test;
@@ -14,16 +15,11 @@ namespace {
 
 constexpr float kPixel = 0.01f; // metres, at the wall
 
-/// Looks along -z from the origin, a pixel a milliradian.
-CameraView camera()
+/// With depth: reversed, a near plane at 0.1 m, no far one.
+CameraView depthCamera()
 {
-    CameraView view;
-    view.area = {{0, 0}, {640, 640}};
-    view.constants.rayCornerWs = glm::vec4(-0.32f, 0.32f, -1.0f, 0.0f);
-    view.constants.rayDxWs = glm::vec4(0.001f, 0.0f, 0.0f, 0.0f);
-    view.constants.rayDyWs = glm::vec4(0.0f, -0.001f, 0.0f, 0.0f);
-    view.constants.pixelSize = 0.001f;
-    view.constants.depthScale = 0.1f; // reversed, a near plane at 0.1 m, no far one
+    CameraView view = camera();
+    view.constants.depthScale = 0.1f;
     view.constants.depthMul = 1.0f;
     view.constants.offsetFactor = 1.0f;
     return view;
@@ -93,7 +89,7 @@ struct Discs {
 TEST_CASE("rays find as much outline as there is, on planes and half as much elsewhere")
 {
     Discs discs(-5.0f);
-    const CameraView view = camera();
+    const CameraView view = depthCamera();
     const auto flat = outlinesByRays(view, sun(-1.0f), wall(1.0f), discs.rays);
     REQUIRE(flat);
     CHECK(double{flat->density} == doctest::Approx(Discs::density(25, 1.0)).epsilon(0.1));
@@ -118,7 +114,7 @@ TEST_CASE("rays find as much outline as there is, on planes and half as much els
 TEST_CASE("outlines are where the light falls, and as near as the receivers that they are on")
 {
     Discs behind(-12.0f), left(-5.0f, true);
-    const CameraView view = camera();
+    const CameraView view = depthCamera();
     CHECK(outlinesByRays(view, sun(-1.0f), wall(1.0f), behind.rays)->density == 0.0f);
     CHECK(outlinesByRays(view, sun(1.0f), wall(1.0f), behind.rays)->density == 0.0f); // lit from behind
     const auto found = outlinesByRays(view, sun(-1.0f), wall(1.0f, 3.0f, 0.5f), left.rays);
@@ -135,14 +131,14 @@ TEST_CASE("outlines are where the light falls, and as near as the receivers that
 TEST_CASE("where rays cannot tell, nothing is said")
 {
     Discs discs(-5.0f);
-    CameraView view = camera();
+    CameraView view = depthCamera();
     CHECK(!outlinesByRays(view, sun(-1.0f), {}, discs.rays));
     view.constants.rayDepthWs.w = -1.0f; // no perspective
     CHECK(!outlinesByRays(view, sun(-1.0f), wall(1.0f), discs.rays));
     std::vector<TileSample::Tile> sky = wall(0.0f);
     for (TileSample::Tile& tile : sky)
         tile.plane.inverse = 0.0f;
-    CHECK(outlinesByRays(camera(), sun(-1.0f), sky, discs.rays)->density == 0.0f);
+    CHECK(outlinesByRays(depthCamera(), sun(-1.0f), sky, discs.rays)->density == 0.0f);
 
     LightCasters casters;
     CHECK(raysTellOutlines(casters)); // there are none
