@@ -295,7 +295,11 @@ int calibrateCommand(const CalibrateOptions& options)
     if (!options.fit.empty()) return fit(options);
     requireMethods(parseNames(options.methods));
     const std::unique_ptr<Device> device = Device::create({});
-    if (!options.errors.empty()) return expectedErrors(options, *device);
+    if (!options.errors.empty()) {
+        const int result = expectedErrors(options, *device);
+        requireSilence(*device);
+        return result;
+    }
     pinThread(0);
     const std::vector<SweepMethod> methods = valueOf(sweepMethods(*device, parseNames(options.methods)));
     const int result = options.check.empty() ? calibrate(options, *device, methods) : check(options, *device, methods);

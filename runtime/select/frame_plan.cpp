@@ -290,7 +290,7 @@ void FramePlan::fill(const rules::RuleBase* base, const Budget& budget)
         SlotHistory& history = histories_[memory.costSlot];
         history.recent[budget.frame % history.recent.size()] = {budget.frame, memory.workload};
         memory.plan.incumbent = memory.incumbent;
-        const Coarseness coarseness = coarsenessOf(memory, request.height);
+        const Coarseness& coarseness = request.coarseness;
         memory.nearSide = lights_[i].floor && request.pinned == UINT32_MAX
                               ? leastSide(request.decision->method, lights_[i].minimumQuality, coarseness)
                               : 0;

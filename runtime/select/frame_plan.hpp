@@ -100,6 +100,8 @@ private:
         std::uint32_t height;              ///< Of the picture.
         std::uint32_t mostSide;            ///< MapSide::most().
         std::uint32_t suited = UINT32_MAX; ///< Without a budget: the best suited within the near floor, if it holds.
+        Coarseness coarseness;             ///< coarsenessOf(), once a frame.
+        double allowance = 1.0; ///< Of wrong pixels, over what others have: where the floor is of all lights.
     };
     struct Cost {
         cost::Prediction steady;

@@ -44,26 +44,29 @@ void FramePlan::requestLights(const rules::RuleBase* base, const Budget& budget)
 {
     lights_.resize(requests_.size());
     const rules::Policy::Floor* const floor = base && !base->policy.floor.when.empty() ? &base->policy.floor : nullptr;
+    const double most = floor ? floor->oneLightTimes : 1.0;
     double pixels = 0.0, near = 0.0, allowed = 0.0;
     for (std::size_t i = 0; i < requests_.size(); ++i) {
-        const Request& request = requests_[i];
+        Request& request = requests_[i];
+        request.coarseness = coarsenessOf(*request.memory, request.height);
+        if (most > 1.0) request.allowance = allowanceOf(request.coarseness);
         lights_[i] = {.memory = &request.memory->plan, .importance = request.importance, .pinned = request.pinned};
         lights_[i].floor = floor && request.decision->floorTruth >= floor->atStrength;
         if (!lights_[i].floor) continue;
         pixels += request.memory->workload.pixels;
-        allowed += request.memory->workload.pixels * allowanceOf(coarsenessOf(*request.memory, request.height));
+        allowed += request.memory->workload.pixels * request.allowance;
         near += 1.0;
     }
     if (!floor) return;
-    const double few = kFewPixels * pixels / std::max(near, 1.0), most = floor->oneLightTimes;
+    const double few = kFewPixels * pixels / std::max(near, 1.0);
     for (std::size_t i = 0; i < requests_.size(); ++i) {
         LightMemory& memory = *requests_[i].memory;
         const double reached = std::max(memory.workload.pixels, 1.0);
         if (memory.measured && std::isinf(memory.distance)) memory.plan.nearUntil = 0; // no receiver of it is visible
         double times = 1.0;
         if (memory.measured && most > 1.0) {
-            const double share = allowanceOf(coarsenessOf(memory, requests_[i].height));
-            const double fair = allowed > 0.0 ? std::max(share * pixels / allowed, kLeastAllowed) : 1.0;
+            const double fair =
+                allowed > 0.0 ? std::max(requests_[i].allowance * pixels / allowed, kLeastAllowed) : 1.0;
             times = std::min(fair * std::max(few / reached, 1.0), most) / kScenesDiffer;
         }
         const bool follows = times * kTooMuch < memory.floorTimes || times > memory.floorTimes * kMoreWouldDo;
